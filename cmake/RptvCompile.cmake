@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: MIT
+# One way to compile everything: C++20, warnings as errors, the include root, optional sanitizers.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads REQUIRED)
+
+set(RPTV_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize= (for instance address,undefined)")
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(rptv_flags INTERFACE)
+target_include_directories(rptv_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# -ffp-contract=off: the same arithmetic on every backend and optimisation level; fused steps are written as fma().
+target_compile_options(rptv_flags INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off)
+target_link_libraries(rptv_flags INTERFACE Threads::Threads)
+if(RPTV_SANITIZE)
+  target_compile_options(rptv_flags INTERFACE -fsanitize=${RPTV_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(rptv_flags INTERFACE -fsanitize=${RPTV_SANITIZE})
+  if(RPTV_SANITIZE MATCHES thread AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(rptv_flags INTERFACE -Wno-tsan)
+  endif()
+endif()
+
+# rptv_library(name SOURCES… LINK…): one static library per folder.
+function(rptv_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC rptv_flags ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
+endfunction()

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: MIT
+# How tests, benchmarks and fuzz targets are declared.
+
+# rptv_test(name SOURCES… LINK… [LABELS…] [ENVIRONMENT…] [TIMEOUT seconds]): one GoogleTest binary = one ctest entry. Label `concurrent` makes
+# the TSan run build and execute it; tests over shared data use RPTV_SHARED_DATA from the environment and skip without it.
+function(rptv_test name)
+  if(NOT RPTV_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  find_package(GTest REQUIRED)
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rptv_flags ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE RPTV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ARG_ENVIRONMENT}")
+endfunction()
+
+# rptv_bench(name SOURCES… LINK…): one Google Benchmark binary, never run by ctest.
+function(rptv_bench name)
+  if(NOT RPTV_BENCH)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  find_package(benchmark REQUIRED)
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rptv_flags ${ARG_LINK} benchmark::benchmark)
+endfunction()
+
+# rptv_fuzz(name SOURCES… LINK…): one libFuzzer target; seeds in tests/fuzz/corpus/<name>.
+function(rptv_fuzz name)
+  if(NOT RPTV_FUZZ)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rptv_flags ${ARG_LINK})
+  target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  add_test(NAME ${name} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz_one $<TARGET_FILE:${name}> ${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name})
+  set_tests_properties(${name} PROPERTIES LABELS fuzz TIMEOUT 600)
+endfunction()

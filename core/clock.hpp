@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Clocks: which one a time was read from, and the host's monotonic time.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace rptv {
+
+/// The clock that a time stamp was read from. Times of different clocks must never be subtracted.
+enum class ClockId : std::uint8_t {
+  host_monotonic = 0,  ///< CLOCK_MONOTONIC of this machine
+  device = 1,          ///< the camera's own counter
+  ptp = 2,             ///< camera clock disciplined by PTP
+  recording = 3,       ///< time column of a recording or of frames.csv
+  nominal = 4,         ///< frame index / stated rate: nobody measured it
+};
+
+/// Nanoseconds of CLOCK_MONOTONIC. Any thread; never fails.
+inline std::int64_t host_now_ns() noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace rptv

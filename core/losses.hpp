@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Everything that can be lost on the way from exposure to subscriber, counted by cause.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace rptv {
+
+/// Why something did not arrive. One name per cause, published with every status message.
+enum class LossCause : std::uint8_t {
+  source_gap,         ///< frame index jumped: the camera, driver or recording never gave us these frames
+  source_duplicate,   ///< the same frame index came twice; the second was dropped
+  source_torn,        ///< frame arrived incomplete
+  pool_empty,         ///< no free frame slot: every lease was out
+  superseded,         ///< policy `newest`: replaced by a newer one before anybody took it
+  over_bound,         ///< policy `bounded`: queue full
+  set_incomplete,     ///< a camera's partner frames never came
+  set_stale,          ///< frame older than the last published set
+  result_pool_empty,  ///< reconstruction done but every result slot was out
+  particle_overflow,  ///< more particles than the configured capacity
+  track_overflow,     ///< more tracks than the configured capacity
+  publish_backlog,    ///< publisher behind: message dropped
+  writer_backlog,     ///< file writer behind: row set dropped
+  count_              ///< number of causes, not a cause
+};
+inline constexpr std::size_t kLossCauseCount = static_cast<std::size_t>(LossCause::count_);
+
+constexpr std::string_view name_of(LossCause cause) noexcept {
+  constexpr std::array<std::string_view, kLossCauseCount> kNames{
+      "source_gap",     "source_duplicate", "source_torn",       "pool_empty",        "superseded",
+      "over_bound",     "set_incomplete",   "set_stale",         "result_pool_empty", "particle_overflow",
+      "track_overflow", "publish_backlog",  "writer_backlog"};
+  return kNames[static_cast<std::size_t>(cause)];
+}
+
+/// Counters by cause. Any thread may count or read; counts are exact, a snapshot is not atomic across causes.
+class Losses {
+ public:
+  void count(LossCause cause, std::uint64_t n = 1) noexcept {
+    counters_[static_cast<std::size_t>(cause)].fetch_add(n, std::memory_order_relaxed);
+  }
+  std::uint64_t of(LossCause cause) const noexcept {
+    return counters_[static_cast<std::size_t>(cause)].load(std::memory_order_relaxed);
+  }
+  std::array<std::uint64_t, kLossCauseCount> snapshot() const noexcept {
+    std::array<std::uint64_t, kLossCauseCount> values{};
+    for (std::size_t i = 0; i < kLossCauseCount; ++i) values[i] = counters_[i].load(std::memory_order_relaxed);
+    return values;
+  }
+  std::uint64_t total() const noexcept {
+    std::uint64_t sum = 0;
+    for (const auto value : snapshot()) sum += value;
+    return sum;
+  }
+
+ private:
+  std::array<std::atomic<std::uint64_t>, kLossCauseCount> counters_{};
+};
+
+}  // namespace rptv
