@@ -55,6 +55,7 @@ struct Supervisor::State {
   StopRequest request;
   struct sigaction old_term {
   }, old_int{};
+  bool stop_reported = false;
   std::int64_t watchdog_interval_ns = 0;
   std::int64_t fed_ns = 0;
   std::uint64_t work_when_fed = 0;
@@ -91,14 +92,14 @@ Supervisor::~Supervisor() {
 
 bool Supervisor::wait(std::int64_t timeout_ns) noexcept {
   const std::int64_t until_ns = host_now_ns() + timeout_ns;
-  const bool draining = stop_requested();
-  pollfd waits{draining ? -1 : state_->request.event, POLLIN, 0};
-  for (std::int64_t left_ns = timeout_ns; left_ns > 0; left_ns = until_ns - host_now_ns()) {
+  // A descriptor of -1 is never ready: once the caller knows of the stop, this is a plain sleep.
+  pollfd waits{state_->stop_reported ? -1 : state_->request.event, POLLIN, 0};
+  int ready = 0;
+  for (std::int64_t left_ns = timeout_ns; ready <= 0 && left_ns > 0; left_ns = until_ns - host_now_ns()) {
     const timespec left{left_ns / kSecond_ns, left_ns % kSecond_ns};
-    const int ready = ppoll(&waits, 1, &left, nullptr);
-    if (ready > 0 || (ready == 0) || (!draining && stop_requested())) break;
+    ready = ppoll(&waits, 1, &left, nullptr);  // -1 when a signal came: look again
   }
-  return stop_requested();
+  return state_->stop_reported = stop_requested();
 }
 
 void Supervisor::request_stop() noexcept { state_->request.ask(); }

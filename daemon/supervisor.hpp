@@ -31,8 +31,8 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// Sleeps up to `timeout_ns`, shorter when the first request to stop comes meanwhile. True once a stop was asked for;
-  /// from then on it sleeps the whole time, so that a draining loop may go on calling it.
+  /// Sleeps up to `timeout_ns`, shorter when a stop is or was asked for. True once it was; after having said so once it
+  /// sleeps the whole time, so that a draining loop may go on calling it.
   bool wait(std::int64_t timeout_ns) noexcept;
 
   /// Any thread: the same as a first SIGTERM.
