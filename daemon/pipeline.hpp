@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// The only place where the stages meet: source → intake → reconstruct → link → readers, each on its own thread.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "acquisition/intake.hpp"
+#include "core/result.hpp"
+#include "reconstruct/reconstructor.hpp"
+#include "tracking/linker.hpp"
+
+namespace rptv {
+
+struct PipelineOptions {
+  IntakeOptions intake;
+  std::size_t results_in_flight = 64;  ///< must exceed the sum of the readers' queue depths
+  std::size_t max_particles = 4096;
+  std::size_t max_tracks = 8192;
+};
+
+/// Counters at some moment; every frame that arrived is in `linked` or in one of the losses.
+struct PipelineCounts {
+  std::uint64_t arrived = 0, reconstructed = 0, linked = 0;
+  std::uint64_t particles = 0, track_points = 0, births = 0;
+  std::int64_t last_progress_ns = 0;  ///< host time at which a result was last handed to the readers
+};
+
+/// Construction and readers are set up by the main thread; start() once, then stop() once (or the destructor).
+/// Results reach every reader's queue in frame order through shared leases: readers must not change them.
+class Pipeline {
+ public:
+  using ReaderQueue = HandOver<ResultLease>;
+
+  /// Throws Error when memory or a stage cannot be set up.
+  Pipeline(std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor, const LinkerSettings& linker,
+           const PipelineOptions& options);
+  ~Pipeline();
+
+  /// Before start() only. The queue must outlive the pipeline's stop(); it is closed after its last result.
+  void add_reader(ReaderQueue& queue) { readers_.push_back(&queue); }
+
+  void start();
+  /// Stops the source, drains what is in flight and joins the threads. Idempotent; main thread.
+  void stop() noexcept;
+  /// The source has ended and the last result has been handed to the readers. Any thread.
+  bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+
+  PipelineCounts counts() const noexcept;
+  /// Losses of the whole pipeline by cause, all cameras together. Any thread.
+  std::array<std::uint64_t, kLossCauseCount> losses() const noexcept;
+  const Source& source() const noexcept { return *source_; }
+  const Linker& linker() const noexcept { return linker_; }
+
+ private:
+  void reconstruct_loop() noexcept;
+  void link_loop() noexcept;
+  ResultLease claim_result() noexcept;
+
+  static constexpr std::int64_t kPatienceNs = 100'000'000;
+
+  Intake intake_;
+  std::unique_ptr<Source> source_;
+  std::unique_ptr<Reconstructor> reconstructor_;
+  Linker linker_;
+  const bool lossless_;
+  Losses losses_;  // of the stages after intake
+  ResultPool results_;
+  HandOver<ResultLease> to_linker_;
+  std::vector<ReaderQueue*> readers_;
+  std::thread reconstruct_thread_, link_thread_;
+  bool started_ = false;
+  std::atomic<bool> finished_{false};
+  std::atomic<std::uint64_t> reconstructed_{0}, linked_{0}, particles_{0}, track_points_{0}, births_{0};
+  std::atomic<std::int64_t> last_progress_ns_{0};
+};
+
+}  // namespace rptv
