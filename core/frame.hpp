@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One image of one camera with its times, on its way through the pipeline; and the images of all cameras at one instant.
+// One image of one camera with its times, on its way through the pipeline; and the images of all cameras at one
+// instant.
 #pragma once
 
 #include <array>
@@ -16,10 +17,10 @@ inline constexpr std::size_t kMaxCameras = 16;
 
 /// When and where a frame was taken.
 struct FrameInfo {
-  std::uint64_t index = 0;           ///< trigger index: equal in every camera for one instant; a jump is a loss
-  std::uint32_t camera = 0;          ///< position in Source::cameras()
-  ClockId clock = ClockId::nominal;  ///< the clock of exposure_end_ns
-  std::int64_t exposure_end_ns = 0;  ///< physics: velocities come from differences of this, never from arrival
+  std::uint64_t index = 0;                ///< trigger index: equal in every camera for one instant; a jump is a loss
+  std::uint32_t camera = 0;               ///< position in Source::cameras()
+  ClockId clock = ClockId::nominal;       ///< the clock of exposure_end_ns
+  std::int64_t exposure_end_ns = 0;       ///< physics: velocities come from differences of this, never from arrival
   std::int64_t exposure_end_host_ns = 0;  ///< the same instant mapped to CLOCK_MONOTONIC: latency counts from here
   std::int64_t arrival_ns = 0;            ///< CLOCK_MONOTONIC when the last byte was in the slot
   bool torn = false;                      ///< incomplete: do not reconstruct

@@ -31,8 +31,8 @@ inline constexpr std::size_t kLossCauseCount = static_cast<std::size_t>(LossCaus
 
 constexpr std::string_view name_of(LossCause cause) noexcept {
   constexpr std::array<std::string_view, kLossCauseCount> kNames{
-      "source_gap",     "source_duplicate", "source_torn",       "pool_empty",        "superseded",
-      "over_bound",     "set_incomplete",   "set_stale",         "result_pool_empty", "particle_overflow",
+      "source_gap",     "source_duplicate", "source_torn",   "pool_empty",        "superseded",
+      "over_bound",     "set_incomplete",   "set_stale",     "result_pool_empty", "particle_overflow",
       "track_overflow", "publish_backlog",  "writer_backlog"};
   return kNames[static_cast<std::size_t>(cause)];
 }

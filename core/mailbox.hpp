@@ -20,7 +20,8 @@ class Mailbox {
   bool put(T&& value, T& replaced) noexcept {
     cells_[mine_].value = std::move(value);
     // acq_rel: releases the cell that we filled, acquires the one that we get back (the consumer is done with it).
-    const std::uint8_t previous = middle_.exchange(static_cast<std::uint8_t>(mine_ | kFresh), std::memory_order_acq_rel);
+    const std::uint8_t previous =
+        middle_.exchange(static_cast<std::uint8_t>(mine_ | kFresh), std::memory_order_acq_rel);
     mine_ = previous & kIndex;
     if ((previous & kFresh) == 0) return false;
     replaced = std::move(cells_[mine_].value);

@@ -12,7 +12,8 @@
 
 namespace rptv {
 
-/// Objects are built once and reused; a claimed object holds what its last user left in it. Thread contract: as FramePool.
+/// Objects are built once and reused; a claimed object holds what its last user left in it. Thread contract: as
+/// FramePool.
 template <class T>
 class ObjectPool {
  public:

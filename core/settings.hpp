@@ -58,9 +58,9 @@ class FieldList {
 };
 
 /// Reads a TOML file into the fields. Errors (code configuration, or no_input when the file is missing) name
-/// `file:line:column`, the dotted key, the value and the next step; unknown keys get "did you mean". NaN and infinity are
-/// refused. `kind` names the file's purpose in messages; `schema` is the highest top-level `schema` number accepted (a
-/// newer one is an error that says to update rapidptv). Set-up only.
+/// `file:line:column`, the dotted key, the value and the next step; unknown keys get "did you mean". NaN and infinity
+/// are refused. `kind` names the file's purpose in messages; `schema` is the highest top-level `schema` number accepted
+/// (a newer one is an error that says to update rapidptv). Set-up only.
 void read_toml_file(const std::filesystem::path& file, std::string_view kind, std::int64_t schema, FieldList& fields);
 
 /// The same from text; `origin` stands for the file's name in messages.

@@ -14,8 +14,9 @@ namespace rptv {
 inline constexpr std::size_t kCacheLineBytes = 64;
 
 /// Capacity is rounded up to a power of two. Both counters count moves since construction in 64 bits: at 10⁹ moves a
-/// second they wrap after 584 years, so `written - read` is always the fill and no slot is wasted to tell full from empty.
-/// T is default constructible and nothrow movable; a popped cell keeps its moved-from value until it is written again.
+/// second they wrap after 584 years, so `written - read` is always the fill and no slot is wasted to tell full from
+/// empty. T is default constructible and nothrow movable; a popped cell keeps its moved-from value until it is written
+/// again.
 template <class T>
 class SpscRing {
  public:
