@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Names, ranges and docs of the light-field settings.
+#include "reconstruct/light_field_settings.hpp"
+
+namespace rptv {
+
+void LightFieldSettings::fields(FieldList& list) {
+  list.text("calibration", calibration, "light-field calibration file");
+  list.text("background_image", background_image, "image without particles; empty: the constant background");
+  list.number("background", background, 0, 65535, "grey level without light");
+  list.number("threshold", threshold, 0, 65535, "a pixel is lit when it is more than this above its background");
+  list.numbers("volume_x_mm", volume_x_mm, 0, -1e4, 1e4, "image space [from, to]; empty: what the sensor covers");
+  list.numbers("volume_y_mm", volume_y_mm, 0, -1e4, 1e4, "image space [from, to]; empty: what the sensor covers");
+  list.numbers("volume_z_mm", volume_z_mm, 2, -1e4, 1e4, "image space [from, to]; positive towards the main lens");
+  list.numbers("voxel_um", voxel_um, 3, 1, 1e6, "voxel edges x, y, z in image space");
+  list.number("particle_radius_um", particle_radius_um, 0, 1e5, "in the object; gives C_min by eq. (7)");
+  list.integer("min_count", min_count, 0, 65535, "C_min, rays through a voxel; 0: by eq. (7)");
+  list.choice("counting", counting, {"coarse", "exhaustive"},
+              "planes counted: those that depth resolution needs, or all");
+  list.choice("classification", classification, {"auto", "local_maxima", "dbscan"}, "how voxels become candidates");
+  list.number("density_limit", density_limit, 0, 1,
+              "auto: fraction of voxels at C_min from which local maxima are used");
+  list.number("dbscan_radius_voxels", dbscan_radius_voxels, 1, 16, "DBSCAN neighbourhood radius");
+  list.integer("dbscan_min_points", dbscan_min_points, 1, 1000, "DBSCAN points that make a core, itself included");
+  list.numbers("maximum_radius_voxels", maximum_radius_voxels, 3, 1, 64,
+               "half-widths x, y, z that a local maximum rules");
+  list.flag("explain_away", explain_away, "a ray belongs to one particle only");
+  list.integer("explain_rounds", explain_rounds, 1, 16, "how often the rays that are left are counted");
+  list.integer("max_hypotheses", max_hypotheses, 1, 16,
+               "lenslets that one pixel may belong to (overlapping sub-images)");
+  list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
+  list.integer("max_rays", max_rays, 1, 100000000, "rays in a frame; more are counted as overflow");
+  list.integer("max_candidates", max_candidates, 1, 100000000, "voxels at C_min; more are counted as overflow");
+  list.integer("threads", threads, 0, 1024, "of this stage; 0: as many as the machine has");
+  list.choice("space", space, {"object", "image"}, "frame of reference of the particles");
+}
+
+}  // namespace rptv

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// What a user can choose about light-field reconstruction, with ranges; all of it fixed when the stage is built.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/settings.hpp"
+
+namespace rptv {
+
+/// Lengths are in image space (origin where the axis meets the array, z towards the main lens) unless stated.
+struct LightFieldSettings {
+  std::string calibration;       ///< path of the calibration file
+  std::string background_image;  ///< path of an image without particles; empty: the constant `background`
+  double background = 0;         ///< grey level without light
+  double threshold = 20;         ///< a pixel is lit when it is more than this above its background, grey levels
+
+  std::vector<double> volume_x_mm;           ///< [from, to]; empty: what the sensor covers
+  std::vector<double> volume_y_mm;           ///< [from, to]; empty: what the sensor covers
+  std::vector<double> volume_z_mm{-25, 25};  ///< [from, to]; positive is towards the main lens
+  std::vector<double> voxel_um{125, 125, 250};
+
+  double particle_radius_um = 0;  ///< object space; with the magnification it gives C_min by eq. (7)
+  std::int64_t min_count = 0;     ///< C_min itself; 0: by eq. (7)
+
+  std::string counting = "coarse";  ///< "coarse": every plane_stride-th plane; "exhaustive": every plane of the volume
+  std::string classification = "auto";  ///< "local_maxima", "dbscan", or by density
+  double density_limit = 0.002;         ///< auto: fraction of voxels at or above C_min beyond which a cloud is dense
+  double dbscan_radius_voxels = 1.75;   ///< eps
+  std::int64_t dbscan_min_points = 6;
+  std::vector<double> maximum_radius_voxels{1.5, 1.5, 1.5};  ///< a local maximum has no equal within this half-width
+
+  bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support
+  std::int64_t explain_rounds = 3;  ///< how often what is left is counted again
+  std::int64_t max_hypotheses = 1;  ///< lenslets that one pixel may belong to where sub-images overlap
+  std::int64_t max_particles = 4096;
+  std::int64_t max_rays = 262144;        ///< lit pixels × hypotheses
+  std::int64_t max_candidates = 262144;  ///< voxels at or above C_min
+  std::int64_t threads = 0;              ///< 0: all that the machine has
+  std::string space = "object";          ///< frame of reference of the particles: "object" or "image"
+
+  void fields(FieldList& list);
+};
+
+}  // namespace rptv
