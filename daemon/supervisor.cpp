@@ -7,6 +7,7 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
+
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -18,8 +19,8 @@
 namespace rptv {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kSecondSignalAfter_ns = kSecond_ns / 10;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::int64_t kSecondSignalAfterNs = kSecondNs / 10;
 constexpr int kStopNowCode = 130;  // 128 + SIGINT, as shells report it
 
 /// What a signal handler may touch: lock-free atomics and a descriptor.
@@ -43,7 +44,7 @@ extern "C" void on_stop_signal(int signal) {
   const int saved_errno = errno;
   if (StopRequest* request = active.load(std::memory_order_acquire)) {
     const std::int64_t asked_ns = request->asked_ns.load(std::memory_order_acquire);
-    if (signal == SIGINT && asked_ns != 0 && host_now_ns() - asked_ns > kSecondSignalAfter_ns) _exit(kStopNowCode);
+    if (signal == SIGINT && asked_ns != 0 && host_now_ns() - asked_ns > kSecondSignalAfterNs) _exit(kStopNowCode);
     request->ask();
   }
   errno = saved_errno;
@@ -96,7 +97,7 @@ bool Supervisor::wait(std::int64_t timeout_ns) noexcept {
   pollfd waits{state_->stop_reported ? -1 : state_->request.event, POLLIN, 0};
   int ready = 0;
   for (std::int64_t left_ns = timeout_ns; ready <= 0 && left_ns > 0; left_ns = until_ns - host_now_ns()) {
-    const timespec left{left_ns / kSecond_ns, left_ns % kSecond_ns};
+    const timespec left{left_ns / kSecondNs, left_ns % kSecondNs};
     ready = ppoll(&waits, 1, &left, nullptr);  // -1 when a signal came: look again
   }
   return state_->stop_reported = stop_requested();
@@ -114,7 +115,7 @@ void Supervisor::ready() noexcept {
 void Supervisor::status(const std::string& text) noexcept {
   const std::int64_t now_ns = host_now_ns();
   if (text == state_->status_sent) return;
-  if (state_->status_sent_ns != 0 && now_ns - state_->status_sent_ns < kSecond_ns) return;
+  if (state_->status_sent_ns != 0 && now_ns - state_->status_sent_ns < kSecondNs) return;
   sd_notifyf(0, "STATUS=%s", text.c_str());
   state_->status_sent = text;
   state_->status_sent_ns = now_ns;
