@@ -16,7 +16,7 @@ class FramePool {
  public:
   static constexpr std::size_t kAlignmentBytes = 4096;
 
-  /// Throws Error(unavailable) when the memory cannot be had.
+  /// Throws Error: `configuration` for no slots or no bytes, `unavailable` when the machine has not that much memory.
   FramePool(std::size_t slots, std::size_t bytes_per_slot);
   ~FramePool();
   FramePool(const FramePool&) = delete;
@@ -24,9 +24,12 @@ class FramePool {
 
   /// An empty lease when every slot is out: the caller counts the loss.
   Lease<FramePool> claim() noexcept;
-  /// Sleeps until a slot may have come back, or the time is over. For policies that wait instead of losing.
+  /// Sleeps until a slot may have come back, or the time is over. `seen` is from
+  /// prepare_to_wait() before the claim that failed. For policies that wait instead of losing.
   void wait_for_slot(std::uint32_t seen, std::int64_t timeout_ns) noexcept { returned_.wait(seen, timeout_ns); }
   std::uint32_t prepare_to_wait() const noexcept { return returned_.prepare(); }
+  /// Ends every wait_for_slot() under way, for shutting down.
+  void wake_waiters() noexcept { returned_.notify(); }
 
   std::size_t slots() const noexcept { return book_.slots(); }
   std::size_t free_slots() const noexcept { return book_.free_slots(); }

@@ -2,36 +2,25 @@
 // One producer thread gives values to one consumer thread under a stated policy of what happens when it falls behind.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <variant>
 
 #include "core/clock.hpp"
+#include "core/close_gate.hpp"
 #include "core/losses.hpp"
 #include "core/mailbox.hpp"
+#include "core/policy.hpp"
 #include "core/spsc_ring.hpp"
 #include "core/wake.hpp"
 
 namespace rptv {
 
-/// Live view: the consumer gets the newest value; what it had no time for is lost as `superseded`.
-struct Newest {};
-/// Recordings: the producer waits for room (up to `depth` in flight); nothing is lost.
-struct Lossless {
-  std::size_t depth = 8;
-};
-/// Bounded delay: at most `depth` wait; what comes to a full queue is lost as `over_bound`.
-struct Bounded {
-  std::size_t depth = 8;
-};
-using HandOverPolicy = std::variant<Newest, Lossless, Bounded>;
-
 enum class Taken : std::uint8_t { value, timeout, closed };
 
 /// push: producer thread only. pop: consumer thread only. close, counters: any thread. Nothing allocates after
 /// construction; the only system calls are a sleep when there is nothing to do and a wake-up of a sleeper.
+/// Every value given to push() is taken by pop(), or counted in `losses` once, or still waiting inside.
 template <class T>
 class HandOver {
  public:
@@ -39,58 +28,65 @@ class HandOver {
   HandOver(HandOverPolicy policy, Losses& losses, LossCause bound_cause = LossCause::over_bound)
       : policy_(policy), ring_(depth_of(policy)), losses_(losses), bound_cause_(bound_cause) {}
 
-  /// Takes the value under every policy; returns false when it (Bounded, closed) or an older one (Newest) was lost.
+  /// Takes the value under every policy. False when a value was lost by it, and counted: an older one (Newest,
+  /// `superseded`) or this one (Bounded and full; any policy after close(), `after_close`).
   bool push(T&& value) noexcept {
-    if (std::holds_alternative<Newest>(policy_)) {
-      T replaced{};
-      const bool lost = mailbox_.put(std::move(value), replaced);
-      if (lost) losses_.count(LossCause::superseded);
-      filled_.notify();
-      return !lost;
-    }
-    const std::size_t depth = depth_of(policy_);
-    while (!closed()) {
-      const std::uint32_t seen = drained_.prepare();
-      if (ring_.size() < depth && ring_.try_push(std::move(value))) {
-        filled_.notify();
-        return true;
+    while (true) {
+      const std::uint32_t seen = drained_.prepare();  // before the attempt: room that is made after it ends the wait
+      const Stored stored = store(std::move(value));
+      if (stored == Stored::yes) return true;
+      if (stored != Stored::no_room || !std::holds_alternative<Lossless>(policy_)) {
+        losses_.count(cause_of(stored));
+        return false;
       }
-      if (std::holds_alternative<Bounded>(policy_)) break;
       drained_.wait(seen, kPatienceNs);
     }
-    losses_.count(bound_cause_);
-    return false;
   }
 
-  /// Waits up to `timeout_ns` (0: does not wait). `closed` only after everything pushed before close() was taken.
+  /// Waits up to `timeout_ns` (0: does not wait). `closed`: nothing waits any more and no push will succeed any more.
   Taken pop(T& value, std::int64_t timeout_ns) noexcept {
+    if (take(value)) return Taken::value;
     const std::int64_t deadline_ns = timeout_ns > 0 ? host_now_ns() + timeout_ns : 0;
     while (true) {
-      const std::uint32_t seen = filled_.prepare();
-      const bool was_closed = closed();  // read before the queue: what was pushed before close() must still be found
+      const std::uint32_t seen = filled_.prepare();  // before the look: what comes after it ends the wait
+      const bool ended = gate_.ended();              // before the look: a push under way may still succeed
       if (take(value)) return Taken::value;
-      if (was_closed) return Taken::closed;
+      if (ended) return Taken::closed;
       const std::int64_t left_ns = timeout_ns > 0 ? deadline_ns - host_now_ns() : 0;
       if (left_ns <= 0) return Taken::timeout;
       filled_.wait(seen, left_ns);
     }
   }
 
-  /// No more pushes will count; wakes both sides.
+  /// Pushes fail from now on; wakes both sides. What was pushed before can still be popped.
   void close() noexcept {
-    closed_.store(true, std::memory_order_seq_cst);
+    gate_.close();
     filled_.notify();
     drained_.notify();
   }
-  bool closed() const noexcept { return closed_.load(std::memory_order_seq_cst); }
-  std::size_t waiting() const noexcept { return ring_.size(); }
+  bool closed() const noexcept { return gate_.closed(); }
+  /// Values pushed and not yet popped, at some moment during the call.
+  std::size_t waiting() const noexcept { return ring_.size() + (mailbox_.fresh() ? 1 : 0); }
 
  private:
+  enum class Stored : std::uint8_t { yes, replaced_older, no_room, closed };
   static constexpr std::int64_t kPatienceNs = 100'000'000;
-  static std::size_t depth_of(const HandOverPolicy& policy) noexcept {
-    if (const auto* lossless = std::get_if<Lossless>(&policy)) return lossless->depth;
-    if (const auto* bounded = std::get_if<Bounded>(&policy)) return bounded->depth;
-    return 1;
+
+  Stored store(T&& value) noexcept {
+    const Stored stored = gate_.enter() ? store_by_policy(std::move(value)) : Stored::closed;
+    gate_.leave();
+    filled_.notify();  // after leave(): a consumer that waits for us to leave must wake
+    return stored;
+  }
+  Stored store_by_policy(T&& value) noexcept {
+    if (!std::holds_alternative<Newest>(policy_))
+      return ring_.try_push(std::move(value)) ? Stored::yes : Stored::no_room;
+    T replaced{};
+    return mailbox_.put(std::move(value), replaced) ? Stored::replaced_older : Stored::yes;
+  }
+  LossCause cause_of(Stored stored) const noexcept {
+    if (stored == Stored::closed) return LossCause::after_close;
+    return stored == Stored::replaced_older ? LossCause::superseded : bound_cause_;
   }
   bool take(T& value) noexcept {
     if (std::holds_alternative<Newest>(policy_)) return mailbox_.take(value);
@@ -104,7 +100,7 @@ class HandOver {
   Mailbox<T> mailbox_;
   Losses& losses_;
   const LossCause bound_cause_;
-  std::atomic<bool> closed_{false};
+  CloseGate gate_;
   Wake filled_;
   Wake drained_;
 };

@@ -2,8 +2,10 @@
 // Time stamps per stage and a histogram of durations with percentiles, both without allocation.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -39,16 +41,17 @@ class LatencyHistogram {
   std::uint64_t count() const noexcept { return count_; }
   std::int64_t max_ns() const noexcept { return static_cast<std::int64_t>(max_); }
 
-  /// Smallest recorded duration that `fraction` (0..1) of all do not exceed, to the bin's upper edge. 0 when empty.
+  /// Nearest rank: the smallest recorded duration such that at least `fraction` (0..1) of all are not longer, raised to
+  /// its bin's upper edge (never above the maximum). 0 when empty.
   std::int64_t percentile_ns(double fraction) const noexcept {
-    const auto rank = static_cast<std::uint64_t>(fraction * static_cast<double>(count_));
+    const double exact_rank = std::ceil(std::clamp(fraction, 0.0, 1.0) * static_cast<double>(count_));
+    const std::uint64_t rank = std::clamp<std::uint64_t>(static_cast<std::uint64_t>(exact_rank), 1, count_ + 1);
     std::uint64_t seen = 0;
-    for (std::size_t b = 0; b < bins_.size(); ++b) {
-      seen += bins_[b];
-      if (bins_[b] != 0 && (seen > rank || seen == count_))
-        return static_cast<std::int64_t>(upper_edge(b) < max_ ? upper_edge(b) : max_);
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+      seen += bins_[bin];
+      if (seen >= rank) return static_cast<std::int64_t>(std::min(upper_edge(bin), max_));
     }
-    return 0;
+    return static_cast<std::int64_t>(max_);  // only when empty, or when `fraction` rounds up past the last
   }
 
  private:

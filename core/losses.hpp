@@ -25,15 +25,16 @@ enum class LossCause : std::uint8_t {
   track_overflow,     ///< more tracks than the configured capacity
   publish_backlog,    ///< publisher behind: message dropped
   writer_backlog,     ///< file writer behind: row set dropped
+  after_close,        ///< came when the stream had been closed
   count_              ///< number of causes, not a cause
 };
 inline constexpr std::size_t kLossCauseCount = static_cast<std::size_t>(LossCause::count_);
 
 constexpr std::string_view name_of(LossCause cause) noexcept {
   constexpr std::array<std::string_view, kLossCauseCount> kNames{
-      "source_gap",     "source_duplicate", "source_torn",   "pool_empty",        "superseded",
-      "over_bound",     "set_incomplete",   "set_stale",     "result_pool_empty", "particle_overflow",
-      "track_overflow", "publish_backlog",  "writer_backlog"};
+      "source_gap",     "source_duplicate", "source_torn",    "pool_empty",        "superseded",
+      "over_bound",     "set_incomplete",   "set_stale",      "result_pool_empty", "particle_overflow",
+      "track_overflow", "publish_backlog",  "writer_backlog", "after_close"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 

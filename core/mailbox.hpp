@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include "core/spsc_ring.hpp"
@@ -12,7 +13,8 @@
 namespace rptv {
 
 /// Triple buffer: each side owns one cell, the third lies between them and changes hands by one atomic exchange.
-/// Wait-free for one producer and one consumer. T is default constructible and nothrow movable.
+/// Wait-free for one producer and one consumer. T is default constructible and nothrow movable, and a moved-from T
+/// holds no resource (a lease does not): a cell keeps its moved-from value until it is written again.
 template <class T>
 class Mailbox {
  public:
@@ -30,16 +32,21 @@ class Mailbox {
 
   /// Consumer only. False when nothing new has come since the last take.
   bool take(T& value) noexcept {
-    if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
+    if (!fresh()) return false;  // relaxed is enough: only the consumer lowers the flag, the exchange below acquires
+    // acq_rel: acquires the cell that the producer filled, releases the one that we are done with.
     theirs_ = middle_.exchange(theirs_, std::memory_order_acq_rel) & kIndex;
     value = std::move(cells_[theirs_].value);
     return true;
   }
 
+  /// Any thread: a value waits, at some moment during the call.
+  bool fresh() const noexcept { return (middle_.load(std::memory_order_relaxed) & kFresh) != 0; }
+
  private:
   static constexpr std::uint8_t kIndex = 3;
   static constexpr std::uint8_t kFresh = 4;
-  struct alignas(kCacheLineBytes) Cell {
+  static_assert(std::is_nothrow_move_assignable_v<T> && std::is_default_constructible_v<T>);
+  struct alignas(kCacheLineBytes) Cell {  // own lines: the two sides fill and empty theirs at the same time
     T value{};
   };
   std::array<Cell, 3> cells_;

@@ -2,6 +2,7 @@
 // A lock-free queue from exactly one producer thread to exactly one consumer thread.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cstddef>
@@ -20,8 +21,9 @@ inline constexpr std::size_t kCacheLineBytes = 64;
 template <class T>
 class SpscRing {
  public:
-  explicit SpscRing(std::size_t min_capacity)
-      : mask_(std::bit_ceil(min_capacity < 1 ? std::size_t{1} : min_capacity) - 1),
+  explicit SpscRing(std::size_t capacity)
+      : capacity_(capacity < 1 ? 1 : capacity),
+        mask_(std::bit_ceil(capacity_) - 1),
         cells_(std::make_unique<T[]>(mask_ + 1)) {}
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
@@ -29,10 +31,10 @@ class SpscRing {
   /// Producer only. False, and `value` untouched, when the ring is full.
   bool try_push(T&& value) noexcept {
     const std::uint64_t written = written_.load(std::memory_order_relaxed);  // own counter: nobody else writes it
-    if (written - read_seen_ > mask_) {
+    if (written - read_seen_ >= capacity_) {
       // acquire pairs with the consumer's release: it has finished moving out of the cell that we are about to reuse.
       read_seen_ = read_.load(std::memory_order_acquire);
-      if (written - read_seen_ > mask_) return false;
+      if (written - read_seen_ >= capacity_) return false;
     }
     cells_[written & mask_] = std::move(value);
     // release: the cell's content is visible to whoever sees the new count.
@@ -58,13 +60,14 @@ class SpscRing {
   std::size_t size() const noexcept {
     const std::uint64_t read = read_.load(std::memory_order_acquire);
     const std::uint64_t written = written_.load(std::memory_order_acquire);
-    return written > read ? static_cast<std::size_t>(written - read) : 0;
+    return std::min(static_cast<std::size_t>(written - read), capacity_);  // read may be older than written
   }
-  std::size_t capacity() const noexcept { return mask_ + 1; }
+  std::size_t capacity() const noexcept { return capacity_; }
   std::uint64_t pushed() const noexcept { return written_.load(std::memory_order_relaxed); }
   std::uint64_t popped() const noexcept { return read_.load(std::memory_order_relaxed); }
 
  private:
+  const std::size_t capacity_;
   const std::size_t mask_;
   const std::unique_ptr<T[]> cells_;
   // The producer's line: its counter and what it last saw of the other's, so that the other line is fetched only when
