@@ -111,9 +111,9 @@ class TomlReading {
       if (!field.required || std::any_of(found_.begin(), found_.end(), is_field)) continue;
       const std::string text = "'" + field.path + "' is missing (" + field.doc + "); add it, " + requirement(field);
       const std::size_t dot = field.path.rfind('.');
-      const auto section =
-          dot == std::string::npos ? toml::node_view<const toml::node>(root) : root.at_path(field.path.substr(0, dot));
-      if (section && section.node()->source().begin.line > 0) refuse(section.node()->source(), text);
+      if (dot != std::string::npos)
+        if (const auto section = root.at_path(field.path.substr(0, dot)); section && section.node()->source().begin)
+          refuse(section.node()->source(), text);
       throw Error(ExitCode::configuration, origin_ + ": " + text);
     }
   }
