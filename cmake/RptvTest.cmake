@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: MIT
 # How tests, benchmarks and fuzz targets are declared.
 
+# What `scripts/test` builds of the TSan and fuzz presets.
+add_custom_target(concurrent_tests)
+add_custom_target(fuzz_targets)
+
 # rptv_test(name SOURCES… LINK… [LABELS…] [ENVIRONMENT…] [TIMEOUT seconds]): one GoogleTest binary = one ctest entry. Label `concurrent` makes
 # the TSan run build and execute it; tests over shared data use RPTV_SHARED_DATA from the environment and skip without it.
 function(rptv_test name)
@@ -15,6 +19,9 @@ function(rptv_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rptv_flags ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE RPTV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(concurrent IN_LIST ARG_LABELS)
+    add_dependencies(concurrent_tests ${name})
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()
@@ -39,6 +46,7 @@ function(rptv_fuzz name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rptv_flags ${ARG_LINK})
   target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  add_dependencies(fuzz_targets ${name})
   add_test(NAME ${name} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz_one $<TARGET_FILE:${name}> ${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name})
   set_tests_properties(${name} PROPERTIES LABELS fuzz TIMEOUT 600)
 endfunction()
