@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The particles of a scenario: where each one is at any time, and while which frames it is lit.
+#pragma once
+
+#include <vector>
+
+#include "simulation/flow.hpp"
+#include "simulation/scenario.hpp"
+#include "simulation/truth.hpp"
+
+namespace rptv {
+
+/// One lit particle at one instant, object space, mm and mm/s.
+struct Tracer {
+  std::uint64_t particle = 0;
+  std::uint64_t age_frames = 0;  ///< frames in which it was lit before
+  Vector3 position, velocity;
+};
+
+/// Uniform in the lit box at every time: the seeding reaches upstream as far as the drift carries particles during the
+/// run. A particle is lit while its rest position (without the swing) is in the box, so that the swing never cuts one
+/// in two. Immutable after construction; any thread.
+class Tracers {
+ public:
+  explicit Tracers(const ScenarioSettings& scenario);
+  double time_s(std::uint64_t frame) const noexcept { return static_cast<double>(frame) / scenario_.rate_hz; }
+  /// The lit particles of a frame, by rising identity.
+  std::vector<Tracer> lit(std::uint64_t frame) const;
+  std::size_t size() const noexcept { return rest_.size(); }
+  const OscillatingWallFlow& flow() const noexcept { return flow_; }
+
+ private:
+  bool is_lit(const Vector3& rest, double time_s) const noexcept;
+  ScenarioSettings scenario_;
+  OscillatingWallFlow flow_;
+  std::vector<Vector3> rest_;  ///< at t = 0
+  std::vector<std::uint64_t> first_lit_;
+};
+
+/// Truth row of a tracer; `in_view` is for the caller to fill.
+TruthRow truth_row(const Tracer& tracer, std::uint64_t frame, double time_s);
+
+}  // namespace rptv
