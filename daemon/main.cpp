@@ -5,18 +5,28 @@
 
 #include "daemon/commands/command.hpp"
 
+namespace {
+
+void add_commands(CLI::App& app, rptv::Action& chosen) {
+  for (const auto add :
+       {rptv::add_run, rptv::add_check, rptv::add_show_config, rptv::add_reconstruct, rptv::add_link,
+        rptv::add_simulate, rptv::add_score, rptv::add_info, rptv::add_tail, rptv::add_demo, rptv::add_bench})
+    add(app, chosen);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   CLI::App app{"rapidptv: real-time 3D particle tracking", "rapidptv"};
+  app.set_version_flag("--version", RPTV_VERSION);
   app.require_subcommand(1);
   rptv::Action chosen;
+  add_commands(app, chosen);
   try {
     app.parse(argc, argv);
     return static_cast<int>(chosen());
-  } catch (const CLI::Success& e) {
-    return app.exit(e);
-  } catch (const CLI::Error& e) {
-    app.exit(e);
-    return static_cast<int>(rptv::ExitCode::usage);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : static_cast<int>(rptv::ExitCode::usage);
   } catch (const rptv::Error& e) {
     std::cerr << "rapidptv: " << e.what() << '\n';
     return static_cast<int>(e.code());

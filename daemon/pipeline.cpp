@@ -13,7 +13,7 @@ Pipeline::Pipeline(std::unique_ptr<Source> source, std::unique_ptr<Reconstructor
       reconstructor_(std::move(reconstructor)),
       linker_(linker),
       lossless_(std::holds_alternative<Lossless>(options.intake.policy)),
-      results_(options.results_in_flight, [&] { return Result(options.max_particles, options.max_tracks); }),
+      results_(options.results_in_flight, [&] { return Result(options.max_particles, linker_.capacity()); }),
       to_linker_(Lossless{4}, losses_) {}
 
 Pipeline::~Pipeline() { stop(); }
@@ -51,6 +51,7 @@ void Pipeline::reconstruct_loop() noexcept {
   FrameSet frames;
   for (Taken taken; (taken = intake_.next(frames, kPatienceNs)) != Taken::closed; frames.reset()) {
     if (taken == Taken::timeout) continue;
+    taken_.fetch_add(1, std::memory_order_relaxed);
     ResultLease result = claim_result();
     if (!result) {
       losses_.count(LossCause::result_pool_empty);
@@ -87,11 +88,15 @@ void Pipeline::link_loop() noexcept {
     births_.fetch_add(result->tracks.births.size(), std::memory_order_relaxed);
     linked_.fetch_add(1, std::memory_order_relaxed);
     last_progress_ns_.store(result->stamps[Stage::linked], std::memory_order_relaxed);
-    for (ReaderQueue* reader : readers_) reader->push(result.share());
+    for (const ResultReader& reader : readers_) reader(result.share());
     result.reset();
   }
-  for (ReaderQueue* reader : readers_) reader->close();
   finished_.store(true, std::memory_order_release);
+}
+
+bool Pipeline::idle() const noexcept {
+  const std::uint64_t left = linked_.load(std::memory_order_relaxed) + losses_.of(LossCause::result_pool_empty);
+  return taken_.load(std::memory_order_relaxed) <= left;
 }
 
 PipelineCounts Pipeline::counts() const noexcept {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -17,9 +18,8 @@ namespace rptv {
 
 struct PipelineOptions {
   IntakeOptions intake;
-  std::size_t results_in_flight = 64;  ///< must exceed the sum of the readers' queue depths
+  std::size_t results_in_flight = 24;  ///< must exceed the sum of the readers' queue depths
   std::size_t max_particles = 4096;
-  std::size_t max_tracks = 8192;
 };
 
 /// Counters at some moment; every frame that arrived is in `linked` or in one of the losses.
@@ -29,31 +29,36 @@ struct PipelineCounts {
   std::int64_t last_progress_ns = 0;  ///< host time at which a result was last handed to the readers
 };
 
+/// Takes one result; called on the linking thread, in frame order. It may wait only where losing is worse (a file under
+/// policy `lossless`); it must not allocate or throw, and must not change the result: others hold leases on it too.
+using ResultReader = std::function<void(ResultLease&&)>;
+
 /// Construction and readers are set up by the main thread; start() once, then stop() once (or the destructor).
-/// Results reach every reader's queue in frame order through shared leases: readers must not change them.
 class Pipeline {
  public:
-  using ReaderQueue = HandOver<ResultLease>;
-
   /// Throws Error when memory or a stage cannot be set up.
   Pipeline(std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor, const LinkerSettings& linker,
            const PipelineOptions& options);
   ~Pipeline();
 
-  /// Before start() only. The queue must outlive the pipeline's stop(); it is closed after its last result.
-  void add_reader(ReaderQueue& queue) { readers_.push_back(&queue); }
+  /// Before start() only. What it refers to must outlive stop().
+  void add_reader(ResultReader reader) { readers_.push_back(std::move(reader)); }
 
   void start();
   /// Stops the source, drains what is in flight and joins the threads. Idempotent; main thread.
   void stop() noexcept;
-  /// The source has ended and the last result has been handed to the readers. Any thread.
+  /// The source has ended and every reader has had the last result. Any thread.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
   PipelineCounts counts() const noexcept;
+  /// Every frame set that was taken from the intake has left the pipeline. Any thread.
+  bool idle() const noexcept;
   /// Losses of the whole pipeline by cause, all cameras together. Any thread.
   std::array<std::uint64_t, kLossCauseCount> losses() const noexcept;
+  const Losses& camera_losses(std::uint32_t camera) const noexcept { return intake_.losses(camera); }
+  const Losses& stage_losses() const noexcept { return losses_; }
   const Source& source() const noexcept { return *source_; }
-  const Linker& linker() const noexcept { return linker_; }
+  const Linker& linker() const noexcept { return linker_; }  ///< its counters: after stop()
 
  private:
   void reconstruct_loop() noexcept;
@@ -70,11 +75,11 @@ class Pipeline {
   Losses losses_;  // of the stages after intake
   ResultPool results_;
   HandOver<ResultLease> to_linker_;
-  std::vector<ReaderQueue*> readers_;
+  std::vector<ResultReader> readers_;
   std::thread reconstruct_thread_, link_thread_;
   bool started_ = false;
   std::atomic<bool> finished_{false};
-  std::atomic<std::uint64_t> reconstructed_{0}, linked_{0}, particles_{0}, track_points_{0}, births_{0};
+  std::atomic<std::uint64_t> taken_{0}, reconstructed_{0}, linked_{0}, particles_{0}, track_points_{0}, births_{0};
   std::atomic<std::int64_t> last_progress_ns_{0};
 };
 

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// Wiring of one run, its status and its summary.
+#include "daemon/session.hpp"
+
+#include <fmt/format.h>
+
+#include <numeric>
+
+namespace rptv {
+namespace {
+
+double seconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-9; }
+
+double rate_hz(std::uint64_t now, std::uint64_t before, std::int64_t elapsed_ns) noexcept {
+  return elapsed_ns > 0 ? static_cast<double>(now - before) / seconds(elapsed_ns) : 0.0;
+}
+
+void append_losses(std::vector<LossCount>& out, std::string_view place, const Losses& losses) {
+  const auto counts = losses.snapshot();
+  for (std::size_t i = 0; i < kLossCauseCount; ++i)
+    if (counts[i] != 0) out.push_back({std::string(place), static_cast<LossCause>(i), counts[i]});
+}
+
+HandOverPolicy writer_policy(const Config& config) {
+  // A recording loses nothing, so the disk may hold it up; a live run must not wait for a disk.
+  if (config.intake.policy == "lossless") return Lossless{8};
+  return Bounded{8};
+}
+
+}  // namespace
+
+Session::Session(const Config& config) {
+  auto source = make_source(config);
+  auto reconstructor = make_reconstructor(config, source->cameras());
+  for (const CameraInfo& camera : source->cameras()) camera_names_.push_back(camera.name);
+  PipelineOptions options;
+  options.intake = config.intake.options();
+  options.max_particles = static_cast<std::size_t>(config.light_field.max_particles);
+  options.results_in_flight = static_cast<std::size_t>(config.publisher.queue_depth) + 24;
+  pipeline_ = std::make_unique<Pipeline>(std::move(source), std::move(reconstructor), config.linker, options);
+  publisher_ = std::make_unique<Publisher>(config.publisher,
+                                           PublisherContent{options.max_particles, pipeline_->linker().capacity(),
+                                                            config.calibration_text(), to_toml(config)},
+                                           reader_losses_, [this](StatusReport& status) { fill_status(status); });
+  pipeline_->add_reader([this](ResultLease&& result) { publisher_->publish(std::move(result)); });
+  if (!config.output.tracks.empty() || !config.output.points.empty()) {
+    writer_ = std::make_unique<ResultWriter>(config.output.tracks, config.output.points, writer_policy(config),
+                                             reader_losses_);
+    pipeline_->add_reader([this](ResultLease&& result) { writer_->write(std::move(result)); });
+  }
+  publisher_->start();
+}
+
+Session::~Session() {
+  pipeline_->stop();
+  publisher_->stop();
+}
+
+void Session::start() {
+  started_ns_ = host_now_ns();
+  last_summary_ns_ = started_ns_;
+  pipeline_->start();
+}
+
+void Session::stop() {
+  pipeline_->stop();
+  publisher_->stop();
+  if (stopped_ns_ == 0) stopped_ns_ = host_now_ns();
+  if (writer_) writer_->finish();
+}
+
+void Session::fill_status(StatusReport& status) {
+  const std::int64_t now_ns = host_now_ns();
+  const PipelineCounts now = counts();
+  status.state = finished() ? RunState::draining : RunState::running;
+  if (!source_failure().empty()) {
+    status.state = RunState::failed;
+    status.warnings.push_back(source_failure());
+  }
+  status.frames_in = now.reconstructed;
+  status.results_out = now.linked;
+  if (last_status_ns_ != 0) {
+    status.input_hz = rate_hz(now.arrived, last_status_.arrived, now_ns - last_status_ns_);
+    status.output_hz = rate_hz(now.linked, last_status_.linked, now_ns - last_status_ns_);
+  }
+  last_status_ns_ = now_ns;
+  last_status_ = now;
+  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
+    append_losses(status.losses, camera_names_[c], pipeline_->camera_losses(c));
+  append_losses(status.losses, "pipeline", pipeline_->stage_losses());
+  append_losses(status.losses, "readers", reader_losses_);
+}
+
+std::string Session::summary() {
+  const std::int64_t now_ns = host_now_ns();
+  const PipelineCounts now = counts();
+  const auto lost = pipeline_->losses();
+  const double linked = static_cast<double>(now.linked > 0 ? now.linked : 1);
+  std::string line =
+      fmt::format("{} frames, {:.1f} Hz, {:.0f} particles and {:.0f} tracks a frame, {} lost", now.linked,
+                  rate_hz(now.linked, last_summary_.linked, now_ns - last_summary_ns_),
+                  static_cast<double>(now.particles) / linked, static_cast<double>(now.track_points) / linked,
+                  std::accumulate(lost.begin(), lost.end(), std::uint64_t{0}) + reader_losses_.total());
+  last_summary_ns_ = now_ns;
+  last_summary_ = now;
+  return line;
+}
+
+SessionReport Session::report() const {
+  SessionReport report;
+  report.counts = counts();
+  report.linker = pipeline_->linker().counters();
+  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
+    append_losses(report.losses, camera_names_[c], pipeline_->camera_losses(c));
+  append_losses(report.losses, "pipeline", pipeline_->stage_losses());
+  append_losses(report.losses, "readers", reader_losses_);
+  for (std::size_t i = 0; i < kStageCount; ++i) report.latency[i] = summary_of(publisher_->latency()[i]);
+  report.elapsed_s = seconds(stopped_ns_ - started_ns_);
+  report.source_failure = source_failure();
+  return report;
+}
+
+}  // namespace rptv

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// One run of the daemon: the pipeline with its publisher and writer, built from a configuration.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "daemon/config.hpp"
+#include "daemon/pipeline.hpp"
+#include "daemon/publisher.hpp"
+#include "daemon/result_writer.hpp"
+
+namespace rptv {
+
+/// What a finished run amounts to; printed by `run`, read by `demo`.
+struct SessionReport {
+  PipelineCounts counts;
+  LinkerCounters linker;
+  std::vector<LossCount> losses;
+  std::array<LatencySummary, kStageCount> latency{};  ///< exposure end to each stage, as published
+  double elapsed_s = 0;
+  std::string source_failure;
+};
+
+/// Construction sets everything up and throws Error; start() lets frames flow. Main thread, except where stated.
+class Session {
+ public:
+  explicit Session(const Config& config);
+  ~Session();
+
+  const std::vector<std::string>& endpoints() const noexcept { return publisher_->endpoints(); }
+  /// Somebody has subscribed to tracks. Any thread.
+  bool has_subscriber() const noexcept { return publisher_->has_subscriber(); }
+  void start();
+  /// The source has ended and every result is out.
+  bool finished() const noexcept { return pipeline_->finished(); }
+  /// Stops the source, drains, closes files. Throws Error(io) when a file could not be written. Idempotent.
+  void stop();
+
+  PipelineCounts counts() const noexcept { return pipeline_->counts(); }
+  /// No frame is being worked on: no progress is no fault.
+  bool idle() const noexcept { return pipeline_->idle(); }
+  std::string source_failure() const { return pipeline_->source().failure(); }
+  /// One line for people: frames, rate, particles, tracks, losses.
+  std::string summary();
+  /// Valid after stop().
+  SessionReport report() const;
+
+ private:
+  void fill_status(StatusReport& status);
+
+  Losses reader_losses_;  // of publisher and writer
+  std::vector<std::string> camera_names_;
+  std::unique_ptr<Pipeline> pipeline_;
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<ResultWriter> writer_;
+  std::int64_t started_ns_ = 0, stopped_ns_ = 0;
+  std::int64_t last_status_ns_ = 0;  // publisher's thread only
+  PipelineCounts last_status_;       // publisher's thread only
+  std::int64_t last_summary_ns_ = 0;
+  PipelineCounts last_summary_;
+};
+
+/// The source, and the reconstruction for its cameras, that the configuration asks for. Throw Error.
+std::unique_ptr<Source> make_source(const Config& config);
+std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras);
+
+/// The report as text for people, and as one JSON object.
+std::string to_text(const SessionReport& report);
+std::string to_json(const SessionReport& report);
+
+}  // namespace rptv
