@@ -67,6 +67,8 @@ class Publisher {
 
   /// Where it is bound, with wildcards resolved.
   const std::vector<std::string>& endpoints() const noexcept;
+  /// Somebody asked for tracks. Any thread; noticed within 20 ms.
+  bool has_subscriber() const noexcept;
   std::size_t waiting() const noexcept;             ///< any thread
   std::uint64_t frames_published() const noexcept;  ///< any thread; results taken off the queue
   /// Exposure end to each stage over the whole run. Valid after stop(), or inside FillStatus.
