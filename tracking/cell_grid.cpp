@@ -10,10 +10,10 @@ namespace rptv {
 
 namespace {
 
-constexpr double kCellsPerPoint = 2.0;  // measured optimum is flat between 1 and 4
-constexpr double kFinestCell = 0.5;     // in radii: smaller cells cost more rows than they save points
-constexpr double kHashedCell = 2.0;     // in radii: a ball then meets two cells an axis
-constexpr double kMostHashedCells = 1U << 30;
+constexpr double kCellsPerPoint = 2.0;     // measured optimum is flat between 1 and 4
+constexpr double kFinestCell = 0.5;        // in radii: smaller cells cost more rows than they save points
+constexpr double kHashedCell = 2.0;        // in radii: a ball then meets two cells an axis
+constexpr double kHashedCells = 1U << 31;  // along one axis, around the cloud
 constexpr std::uint64_t kCrowdedCell = 8;  // points that a point shares its cell with, on average
 
 bool finite(double x, double y, double z) noexcept { return std::isfinite(x) && std::isfinite(y) && std::isfinite(z); }
@@ -32,15 +32,11 @@ CellGrid::CellGrid(std::size_t max_points)
 void CellGrid::build(const double* x, const double* y, const double* z, std::size_t count, double radius) noexcept {
   per_radius_ = 1.0 / radius;
   size_ = measure(x, y, z, count);
-  double largest = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    largest = std::max({largest, std::abs(low_[axis]), std::abs(high_[axis])});
-  reach_ = radius * (1 + 1e-9) + 4 * std::numeric_limits<double>::epsilon() * largest;  // rounding never hides a point
-  choose_cells(size_);
-  const std::uint64_t shared = count_cells(x, y, z, count);
-  const bool larger_than_needed = axes_[0].cells_per_unit * reach_ * kHashedCell < 1.0;
-  if (!hashed_ && larger_than_needed && shared > kCrowdedCell * size_) {
-    use_hash();
+  reach_ = radius * (1 + 1e-9);  // rounding never hides a point
+  hashed_ = false;
+  hashed_ = !cover_box() || count_cells(x, y, z, count) > most_shared();
+  if (hashed_) {
+    hash_around(x[count / 2], y[count / 2], z[count / 2]);
     count_cells(x, y, z, count);
   }
   sort(x, y, z, count);
@@ -61,10 +57,16 @@ std::size_t CellGrid::measure(const double* x, const double* y, const double* z,
   return points;
 }
 
-void CellGrid::choose_cells(std::size_t points) noexcept {
-  const double most_cells = std::max(64.0, kCellsPerPoint * static_cast<double>(points));
+/// Pairs of points in one cell that are not worth hashing: what small cells cannot mend, or few.
+std::uint64_t CellGrid::most_shared() const noexcept {
+  const bool small = axes_[0].cells_per_unit * reach_ * kHashedCell >= 1.0;
+  return small ? UINT64_MAX : kCrowdedCell * size_;
+}
+
+/// Chooses the smallest cells that are worth their rows and not too many; false when the box has no finite size.
+bool CellGrid::cover_box() noexcept {
+  const double most_cells = std::max(64.0, kCellsPerPoint * static_cast<double>(size_));
   double edge = kFinestCell * reach_;
-  hashed_ = false;
   for (int attempt = 0; attempt < 32; ++attempt) {
     double cells = 1;
     int wide_axes = 0;
@@ -78,17 +80,21 @@ void CellGrid::choose_cells(std::size_t points) noexcept {
       columns_ = static_cast<std::uint32_t>(axes_[0].last) + 1;
       rows_ = static_cast<std::uint32_t>(axes_[1].last) + 1;
       cells_ = static_cast<std::size_t>(cells);
-      return;
+      return true;
     }
     edge *= 1.01 * std::pow(cells / most_cells, 1.0 / wide_axes);
   }
-  use_hash();
+  return false;
 }
 
-void CellGrid::use_hash() noexcept {
-  hashed_ = true;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    axes_[axis] = {low_[axis], 1.0 / (kHashedCell * reach_), kMostHashedCells};
+/// Cells of fixed size in all of space; what is too far from (x, y, z) to be numbered shares the outermost cells.
+void CellGrid::hash_around(double x, double y, double z) noexcept {
+  const double edge = kHashedCell * reach_;
+  const std::array<double, 3> centre{x, y, z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double middle = std::isfinite(centre[axis]) ? centre[axis] : 0.0;
+    axes_[axis] = {middle - edge * (kHashedCells / 2), 1.0 / edge, kHashedCells};
+  }
   cells_ = cell_begin_.size() - 2;
   mask_ = static_cast<std::uint32_t>(cells_ - 1);
 }

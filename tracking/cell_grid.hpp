@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace rptv {
@@ -38,17 +40,17 @@ class CellGrid {
   void visit_near(double qx, double qy, double qz, std::size_t spread, Visit&& visit) const noexcept;
 
  private:
+  /// Cells along one axis. cell() never decreases with v, whatever is rounded, so a range misses no point.
   struct Axis {
-    double origin = 0, cells_per_unit = 0, last = 0;  // last: index of the last cell
+    double origin = 0, cells_per_unit = 0, last = 0;  // last: index of the last cell; points beyond share it
     std::uint32_t cell(double v) const noexcept {
-      return static_cast<std::uint32_t>(std::min((v - origin) * cells_per_unit, last));
+      return static_cast<std::uint32_t>(std::clamp((v - origin) * cells_per_unit, 0.0, last));
     }
     bool range(double v, double reach, std::uint32_t& lo, std::uint32_t& hi) const noexcept {
-      const double from = (v - reach - origin) * cells_per_unit;
-      const double to = (v + reach - origin) * cells_per_unit;
-      if (!(to >= 0 && from <= last + 1)) return false;  // also when v is not a number
-      lo = static_cast<std::uint32_t>(std::clamp(from, 0.0, last));
-      hi = static_cast<std::uint32_t>(std::min(to, last));
+      if (!std::isfinite(v)) return false;
+      reach += 2 * std::numeric_limits<double>::epsilon() * std::abs(v);
+      lo = cell(v - reach);
+      hi = cell(v + reach);
       return true;
     }
   };
@@ -68,8 +70,9 @@ class CellGrid {
     return hashed_ ? cell & mask_ : cell;
   }
   std::size_t measure(const double* x, const double* y, const double* z, std::size_t count) noexcept;
-  void choose_cells(std::size_t points) noexcept;
-  void use_hash() noexcept;
+  bool cover_box() noexcept;
+  std::uint64_t most_shared() const noexcept;
+  void hash_around(double x, double y, double z) noexcept;
   std::uint64_t count_cells(const double* x, const double* y, const double* z, std::size_t count) noexcept;
   void sort(const double* x, const double* y, const double* z, std::size_t count) noexcept;
 

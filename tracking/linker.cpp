@@ -21,9 +21,9 @@ namespace rptv {
 namespace {
 
 LinkerSettings checked(LinkerSettings settings) {
-  if (!(settings.search_range_mm > 0 && settings.search_range_mm <= 1e9))
-    throw Error(ExitCode::configuration, "search_range_mm is " + std::to_string(settings.search_range_mm) +
-                                             "; give a length above 0 and up to 1e9 mm");
+  if (!(settings.search_range_mm >= 1e-9 && settings.search_range_mm <= 1e9))
+    throw Error(ExitCode::configuration,
+                "search_range_mm is " + std::to_string(settings.search_range_mm) + "; give a length of 1e-9 to 1e9 mm");
   if (settings.memory < 0 || settings.max_particles < 1 || settings.max_candidates < 1)
     throw Error(ExitCode::configuration, "memory " + std::to_string(settings.memory) + ", max_particles " +
                                              std::to_string(settings.max_particles) + ", max_candidates " +
