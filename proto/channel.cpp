@@ -129,8 +129,11 @@ bool PublishChannel::subscribed(Topic topic) const noexcept {
 Sent PublishChannel::send(Topic topic, std::span<const std::byte> bytes) noexcept {
   try {
     // With NODROP a full queue refuses the whole message before anybody got it: then it is known, and the message goes
-    // out again without NODROP, to all but the slow one.
+    // out again without NODROP, to all but the slow one. Asking for events in between makes libzmq take in what readers
+    // have read (it looks once per millisecond only), lest a quick one be taken for a slow one.
     socket_->xpub.set(zmq::sockopt::xpub_nodrop, true);
+    if (socket_->send_both(topic, bytes)) return Sent::sent;
+    (void)socket_->xpub.get(zmq::sockopt::events);
     if (socket_->send_both(topic, bytes)) return Sent::sent;
     socket_->xpub.set(zmq::sockopt::xpub_nodrop, false);
     return socket_->send_both(topic, bytes) ? Sent::queue_full : Sent::failed;
