@@ -13,6 +13,8 @@ void LightFieldSettings::fields(FieldList& list) {
   list.numbers("volume_y_mm", volume_y_mm, 0, -1e4, 1e4, "image space [from, to]; empty: what the sensor covers");
   list.numbers("volume_z_mm", volume_z_mm, 2, -1e4, 1e4, "image space [from, to]; positive towards the main lens");
   list.numbers("voxel_um", voxel_um, 3, 1, 1e6, "voxel edges x, y, z in image space");
+  list.number("slope_blur_um", slope_blur_um, 0, 1000,
+              "rms blur of a sub-image on the sensor (diffraction: about 0.33 lambda f/pitch); corrects depths");
   list.number("particle_radius_um", particle_radius_um, 0, 1e5, "in the object; gives C_min by eq. (7)");
   list.integer("min_count", min_count, 0, 65535, "C_min, rays through a voxel; 0: by eq. (7)");
   list.choice("counting", counting, {"coarse", "exhaustive"},
@@ -22,8 +24,8 @@ void LightFieldSettings::fields(FieldList& list) {
               "auto: fraction of voxels at C_min from which local maxima are used");
   list.number("dbscan_radius_voxels", dbscan_radius_voxels, 1, 16, "DBSCAN neighbourhood radius");
   list.integer("dbscan_min_points", dbscan_min_points, 1, 1000, "DBSCAN points that make a core, itself included");
-  list.numbers("maximum_radius_voxels", maximum_radius_voxels, 3, 1, 64,
-               "half-widths x, y, z that a local maximum rules");
+  list.numbers("maximum_radius_um", maximum_radius_um, 3, 0, 1e6,
+               "half-widths x, y, z of the box that a local maximum rules");
   list.flag("explain_away", explain_away, "a ray belongs to one particle only");
   list.integer("explain_rounds", explain_rounds, 1, 16, "how often the rays that are left are counted");
   list.integer("max_hypotheses", max_hypotheses, 1, 16,

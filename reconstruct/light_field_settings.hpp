@@ -21,6 +21,8 @@ struct LightFieldSettings {
   std::vector<double> volume_z_mm{-25, 25};  ///< [from, to]; positive is towards the main lens
   std::vector<double> voxel_um{125, 125, 250};
 
+  double slope_blur_um = 0;  ///< rms blur of a sub-image on the sensor, per axis; what it shrinks depths by is put back
+
   double particle_radius_um = 0;  ///< object space; with the magnification it gives C_min by eq. (7)
   std::int64_t min_count = 0;     ///< C_min itself; 0: by eq. (7)
 
@@ -29,7 +31,7 @@ struct LightFieldSettings {
   double density_limit = 0.002;         ///< auto: fraction of voxels at or above C_min beyond which a cloud is dense
   double dbscan_radius_voxels = 1.75;   ///< eps
   std::int64_t dbscan_min_points = 6;
-  std::vector<double> maximum_radius_voxels{1.5, 1.5, 1.5};  ///< a local maximum has no equal within this half-width
+  std::vector<double> maximum_radius_um{190, 190, 4000};  ///< half-widths of the box that a local maximum rules
 
   bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support
   std::int64_t explain_rounds = 3;  ///< how often what is left is counted again

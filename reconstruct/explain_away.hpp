@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// A pixel saw one particle: candidates claim their rays in order of support, and ghosts lose theirs.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "reconstruct/particle_fit.hpp"
+#include "reconstruct/voxel_cloud.hpp"
+
+namespace rptv {
+
+struct ExplainOptions {
+  FitOptions fit;
+  bool claim = true;       ///< false: candidates share rays; those that come to the same point are one
+  double lowest_z_mm = 0;  ///< particles outside are refused
+  double highest_z_mm = 0;
+  std::size_t max_particles = 4096;
+  std::size_t max_candidates = 4096;
+  std::size_t max_rays = 1 << 18;
+  std::size_t threads = 1;
+};
+
+/// begin() once a frame, explain() once a round, settle() once at the end. Nothing allocates after construction; one
+/// thread calls, `threads` fit. The result does not depend on the number of threads.
+class ExplainAway {
+ public:
+  ExplainAway(const RayWindow& window, const ExplainOptions& options);
+
+  void begin(const Rays& rays) noexcept;
+  /// Fits all candidates to the free rays, then accepts the one with most support, takes its pixels, and so on while
+  /// any has `min_support`. Returns how many it accepted.
+  std::size_t explain(const Rays& rays, std::span<const Candidate> candidates) noexcept;
+  /// Gives each pixel to the particle whose ray it fits best and fits again; those left with too little support go.
+  void settle(const Rays& rays) noexcept;
+
+  std::span<const FittedParticle> particles() const noexcept { return particles_; }
+  std::span<const std::uint8_t> taken() const noexcept { return taken_; }
+  std::uint64_t refused() const noexcept { return refused_; }  ///< particles beyond the capacity, since begin()
+
+ private:
+  bool acceptable(const FittedParticle& particle) const noexcept;
+  void fit_all(const Rays& rays, std::span<const Candidate> candidates) noexcept;
+  bool accept(const Rays& rays, const FittedParticle& particle) noexcept;
+  void claim(const Rays& rays, const FittedParticle& particle) noexcept;
+  bool known(const FittedParticle& particle) const noexcept;
+  void assign(const Rays& rays) noexcept;
+  void fit_owned(const Rays& rays) noexcept;
+  void drop_weak() noexcept;
+
+  const RayWindow& window_;
+  const ExplainOptions options_;
+  std::vector<ParticleFit> fits_;  // per thread
+  std::vector<std::uint8_t> taken_;
+  std::vector<FittedParticle> tentative_;  // per candidate
+  std::vector<std::uint32_t> heap_;        // candidates by support
+  std::vector<FittedParticle> particles_;
+  std::vector<std::int32_t> owner_;  // particle of each pixel; -1: none
+  std::vector<float> owner_distance_;
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace rptv

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// Marks arithmetic that stands once and is compiled for the CPU and for CUDA.
+#pragma once
+
+#if defined(__CUDACC__)
+#define RPTV_HOST_DEVICE __host__ __device__
+#else
+#define RPTV_HOST_DEVICE
+#endif

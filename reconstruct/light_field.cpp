@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// The light-field chain, one step a line.
+#include "reconstruct/light_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "calibration/object_map.hpp"
+#include "core/error.hpp"
+#include "reconstruct/classify_dbscan.hpp"
+#include "reconstruct/classify_local_maxima.hpp"
+#include "reconstruct/light_field_volume.hpp"
+#include "reconstruct/lit_pixels.hpp"
+#include "reconstruct/parallel.hpp"
+#include "reconstruct/pixels_to_rays.hpp"
+
+namespace rptv {
+
+namespace {
+
+ImageShape shape_of(const LightFieldCalibration& calibration) {
+  return {static_cast<std::uint32_t>(calibration.sensor.width_px),
+          static_cast<std::uint32_t>(calibration.sensor.height_px), 2};
+}
+
+DarkLimit make_limit(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                     const ImageView& background) {
+  const ImageShape shape = shape_of(calibration);
+  if (background.data == nullptr) return DarkLimit(shape, settings.background, settings.threshold);
+  if (background.shape.width_px != shape.width_px || background.shape.height_px != shape.height_px)
+    throw Error(
+        ExitCode::configuration,
+        fmt::format("{}: the background is {}x{} px but the calibration says {}x{}; take it with the same camera",
+                    settings.background_image, background.shape.width_px, background.shape.height_px, shape.width_px,
+                    shape.height_px));
+  return DarkLimit(background, settings.threshold);
+}
+
+std::array<std::int32_t, 3> half_widths(const std::vector<double>& radius_um, const VoxelGrid& grid) {
+  const auto voxels = [](double um, float step_mm) {
+    return static_cast<std::int32_t>(std::clamp(um * 1e-3 / step_mm, 1.0, 64.0));
+  };
+  return {voxels(radius_um.at(0), grid.step_x_mm), voxels(radius_um.at(1), grid.step_y_mm),
+          voxels(radius_um.at(2), grid.step_z_mm)};
+}
+
+double per_pupil_distance(const LightFieldCalibration& calibration) {
+  return calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0;
+}
+
+}  // namespace
+
+struct LightField::Stages {
+  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background);
+
+  void find_candidates() noexcept;
+  bool dense() const noexcept;
+  void write(Particles& out) const noexcept;
+
+  const LightFieldSettings settings;
+  const ImageShape shape;
+  const DarkLimit limit;
+  const LensletLattice lattice;
+  const PixelsToRays pixels_to_rays;
+  const RayWindow window;
+  const VoxelGrid grid;
+  const std::uint16_t min_count;
+  const std::array<std::int32_t, 3> maximum_half_width;
+  const ObjectMap object_map;
+  const bool in_object_space;
+
+  std::vector<std::uint32_t> lit;
+  Rays rays;
+  RayCounter counter;
+  VoxelCloud cloud;
+  Dbscan dbscan;
+  std::vector<Candidate> candidates;
+  ExplainAway explain_away;
+  LightFieldCounts counts;
+};
+
+LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration,
+                           const ImageView& background)
+    : settings(s),
+      shape(shape_of(calibration)),
+      limit(make_limit(s, calibration, background)),
+      lattice(calibration),
+      pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
+      window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
+      grid(make_grid(s, calibration, pixels_to_rays.slope_half_range())),
+      min_count(make_min_count(s, calibration)),
+      maximum_half_width(half_widths(s.maximum_radius_um, grid)),
+      object_map(calibration),
+      in_object_space(s.space == "object"),
+      lit(static_cast<std::size_t>(s.max_rays)),
+      rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
+      counter(grid, static_cast<std::size_t>(s.max_rays), thread_count(s.threads)),
+      cloud(static_cast<std::size_t>(s.max_candidates)),
+      dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
+             static_cast<std::size_t>(s.dbscan_min_points)),
+      explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
+  candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
+}
+
+bool LightField::Stages::dense() const noexcept {
+  if (settings.classification != "auto") return settings.classification == "local_maxima";
+  const double voxels = static_cast<double>(grid.size_x) * grid.size_y * grid.planes;
+  return static_cast<double>(cloud.voxels().size()) > settings.density_limit * voxels;
+}
+
+void LightField::Stages::find_candidates() noexcept {
+  candidates.clear();
+  counts.refused_candidates += cloud.collect(counter, min_count);  // eq. (7)
+  counts.refused_candidates += dense() ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
+                                       : dbscan.classify(cloud, candidates);
+  counts.candidates += candidates.size();
+}
+
+void LightField::Stages::write(Particles& out) const noexcept {
+  for (const auto& found : explain_away.particles()) {
+    const auto& c = found.covariance;
+    Point3 at{found.at.x, found.at.y, found.at.z};
+    Covariance covariance{c.xx, c.xy, c.xz, c.yy, c.yz, c.zz};
+    if (in_object_space) {
+      covariance = object_map.to_object(covariance, object_map.jacobian(at));
+      at = object_map.to_object(at);
+    }
+    out.push({at[0], at[1], at[2], found.residual_mm, found.support, covariance});
+  }
+}
+
+LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                       const ImageView& background) {
+  calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
+  stages_ = std::make_unique<Stages>(settings, calibration, background);
+}
+
+LightField::~LightField() = default;
+const LightFieldCounts& LightField::counts() const noexcept { return stages_->counts; }
+std::uint16_t LightField::min_count() const noexcept { return stages_->min_count; }
+
+void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
+  if (frames.cameras == 1 && !frames.info().torn) return reconstruct(frames.frames[0].view(), out);
+  out.clear();
+  ++stages_->counts.refused_frames;
+}
+
+void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
+  auto& s = *stages_;
+  out.clear();
+  if (image.data == nullptr || image.shape.width_px != s.shape.width_px || image.shape.height_px != s.shape.height_px) {
+    ++s.counts.refused_frames;
+    return;
+  }
+  const std::size_t lit = find_lit_pixels(image, s.limit, s.lit);
+  const std::size_t kept = std::min(lit, s.lit.size());
+  s.counts.refused_pixels += lit - kept + s.pixels_to_rays.convert({s.lit.data(), kept}, s.rays);  // eq. (5)
+  s.counts.lit_pixels = lit, s.counts.rays = s.rays.size, s.counts.candidates = 0, s.counts.rounds = 0;
+  s.explain_away.begin(s.rays);
+  for (std::int64_t round = 0; round < (s.settings.explain_away ? s.settings.explain_rounds : 1); ++round) {
+    s.counter.count(s.rays, s.explain_away.taken());  // eq. (6)
+    s.find_candidates();
+    ++s.counts.rounds;
+    if (s.explain_away.explain(s.rays, s.candidates) == 0) break;
+  }
+  s.explain_away.settle(s.rays);
+  s.counts.refused_particles += s.explain_away.refused();
+  s.write(out);
+  ++s.counts.frames;
+}
+
+}  // namespace rptv

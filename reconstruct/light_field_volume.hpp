@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// From settings and calibration to voxels, gates and limits; every contradiction between them is an error here.
+#pragma once
+
+#include <cstdint>
+
+#include "calibration/light_field_calibration.hpp"
+#include "reconstruct/explain_away.hpp"
+#include "reconstruct/light_field_settings.hpp"
+#include "reconstruct/ray_count_kernel.hpp"
+
+namespace rptv {
+
+/// The volume of the settings, in voxels. `slope_half_range` decides the planes that coarse counting needs: on the
+/// nearest plane the outermost ray is at most an eighth of a voxel off. Throws Error(configuration).
+VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                    double slope_half_range);
+
+/// C_min: settings.min_count, or eq. (7). Throws Error(configuration) when neither gives a count.
+std::uint16_t make_min_count(const LightFieldSettings& settings, const LightFieldCalibration& calibration);
+
+/// Gates and limits of fitting and explaining away.
+ExplainOptions make_explain_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                                    const VoxelGrid& grid, std::uint16_t min_count);
+
+}  // namespace rptv

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Which pixels particles have lit: the threshold above the background, before eq. (5).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/image.hpp"
+
+namespace rptv {
+
+/// Highest grey value of each pixel that is still dark: background + threshold, saturated. Immutable; any thread.
+class DarkLimit {
+ public:
+  /// The same limit for every pixel.
+  DarkLimit(const ImageShape& shape, double background, double threshold);
+  /// From an image without particles, 8 or 16 bit.
+  DarkLimit(const ImageView& background, double threshold);
+
+  std::size_t size() const noexcept { return limits_.size(); }
+  std::span<const std::uint16_t> limits() const noexcept { return limits_; }
+
+ private:
+  std::vector<std::uint16_t> limits_;
+};
+
+/// Writes the indices (row·width + column) of pixels above their limit into `lit`, in raster order, and returns how
+/// many there are: more than lit.size() means that the last ones were left out. `image` has limit.size() pixels.
+std::size_t find_lit_pixels(const ImageView& image, const DarkLimit& limit, std::span<std::uint32_t> lit) noexcept;
+
+}  // namespace rptv

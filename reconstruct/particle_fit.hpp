@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// N-ray least squares round a candidate: gather the rays near it, fit, gate, repeat.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "reconstruct/ray_window.hpp"
+
+namespace rptv {
+
+/// A particle placed by its rays, in image space.
+struct FittedParticle {
+  ImagePoint at;
+  double support = 0;  ///< rays that it explains
+  double residual_mm = 0;
+  FitCovariance covariance{};
+};
+
+struct FitOptions {
+  RayGate gate;
+  double start_margin_mm = 0;  ///< how far aside of the candidate the particle may be
+  double start_depth_mm = 0;   ///< how far before or behind it
+  double slope_variance = 0;   ///< see solve()
+  double pitch_mm = 0;
+  double min_support = 3;
+};
+
+/// One workspace per thread; nothing allocates after construction. Rays are read, never changed.
+class ParticleFit {
+ public:
+  ParticleFit(const RayWindow& window, const FitOptions& options, std::size_t max_rays);
+
+  /// Fits the free rays (taken[pixel] == 0) near `start`. support 0: too few rays, or they give no depth.
+  FittedParticle fit(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& start) noexcept;
+
+  /// One least-squares step with exactly those rays inside the gate that `owner[pixel] == self`; with statistics.
+  FittedParticle fit_owned(const Rays& rays, std::span<const std::int32_t> owner, std::int32_t self,
+                           const ImagePoint& start) noexcept;
+
+  /// Free rays inside the gate at a point.
+  double support_at(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& point) const noexcept;
+
+  const FitOptions& options() const noexcept { return options_; }
+
+ private:
+  RaySums sum_within(const ImagePoint& at, double half_width_mm) const noexcept;
+  FittedParticle finish(const ImagePoint& at) const noexcept;
+
+  const RayWindow& window_;
+  const FitOptions options_;
+  std::vector<Ray> near_;
+  std::size_t near_size_ = 0;
+};
+
+}  // namespace rptv

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Lit pixels to rays, sorted by lenslet by counting.
+#include "reconstruct/pixels_to_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rptv {
+
+PixelsToRays::PixelsToRays(const LightFieldCalibration& calibration, const LensletLattice& lattice,
+                           std::size_t hypotheses)
+    : lattice_(lattice),
+      hypotheses_(hypotheses),
+      width_(static_cast<std::uint32_t>(calibration.sensor.width_px)),
+      pixel_mm_(static_cast<float>(calibration.pixel_mm())),
+      axis_x_px_(static_cast<float>(calibration.optical_axis_px()[0])),
+      axis_y_px_(static_cast<float>(calibration.optical_axis_px()[1])),
+      per_focal_length_(static_cast<float>(1 / calibration.lenslets.focal_length_mm)) {
+  const auto [axis_x, axis_y] = calibration.optical_axis_px();
+  const auto height = static_cast<std::uint32_t>(calibration.sensor.height_px);
+  lenslets_.resize(std::size_t{width_} * height * hypotheses_);
+  double farthest_mm = 0;
+  for (std::uint32_t row = 0; row < height; ++row)
+    for (std::uint32_t column = 0; column < width_; ++column) {
+      const double x = (column - axis_x) * calibration.pixel_mm(), y = (row - axis_y) * calibration.pixel_mm();
+      const std::span<std::uint32_t> mine(&lenslets_[(std::size_t{row} * width_ + column) * hypotheses_], hypotheses_);
+      lattice.lenslets_of(x, y, mine);
+      for (const auto lenslet : mine) {
+        if (lenslet == LensletLattice::kNone) continue;
+        const auto [spot_x, spot_y] = lattice.spot_mm(lenslet);
+        farthest_mm = std::max({farthest_mm, std::abs(x - spot_x), std::abs(y - spot_y)});
+      }
+    }
+  slope_half_range_ = farthest_mm / calibration.lenslets.focal_length_mm;
+}
+
+Ray PixelsToRays::ray_of(std::uint32_t pixel, std::uint32_t lenslet) const noexcept {
+  const auto [centre_x, centre_y] = lattice_.centre_mm(lenslet);
+  const float x = (static_cast<float>(pixel % width_) - axis_x_px_) * pixel_mm_;
+  const float y = (static_cast<float>(pixel / width_) - axis_y_px_) * pixel_mm_;
+  return {centre_x, centre_y, (centre_x - x) * per_focal_length_, (centre_y - y) * per_focal_length_};
+}
+
+std::size_t PixelsToRays::convert(std::span<const std::uint32_t> lit, Rays& rays) const noexcept {
+  auto& first = rays.first_of_lenslet;
+  std::fill(first.begin(), first.end(), 0U);
+  std::size_t total = 0, pixels = 0;
+  for (; pixels < lit.size(); ++pixels) {  // count rays per lenslet
+    const auto* mine = &lenslets_[lit[pixels] * hypotheses_];
+    const auto have = static_cast<std::size_t>(
+        std::count_if(mine, mine + hypotheses_, [](auto lenslet) { return lenslet != LensletLattice::kNone; }));
+    if (total + have > rays.capacity()) break;
+    for (std::size_t k = 0; k < have; ++k) ++first[mine[k] + 1];
+    total += have;
+  }
+  for (std::size_t l = 1; l < first.size(); ++l) first[l] += first[l - 1];
+  for (std::size_t p = pixels; p-- > 0;) {  // place them from behind; first[l + 1] walks down to the start of l
+    const auto* mine = &lenslets_[lit[p] * hypotheses_];
+    for (std::size_t k = 0; k < hypotheses_ && mine[k] != LensletLattice::kNone; ++k) {
+      const auto at = --first[mine[k] + 1];
+      rays.ray[at] = ray_of(lit[p], mine[k]);
+      rays.pixel[at] = static_cast<std::uint32_t>(p);
+    }
+  }
+  // Now first[l + 1] is the start of lenslet l: move down by one and close with the total.
+  std::copy(first.begin() + 1, first.end(), first.begin());
+  first.back() = static_cast<std::uint32_t>(total);
+  rays.size = total;
+  rays.pixels = pixels;
+  return lit.size() - pixels;
+}
+
+}  // namespace rptv

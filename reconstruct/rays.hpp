@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// The rays of one frame: the pre-filtered matrix Q of eq. (5), sorted by lenslet.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace rptv {
+
+/// Image space, mm: the ray is at (centre_x + slope_x·z, centre_y + slope_y·z) at depth z (z towards the main lens).
+struct Ray {
+  float centre_x, centre_y;  ///< true centre of its lenslet
+  float slope_x, slope_y;    ///< (centre - pixel)/f
+};
+
+/// Rays in order of their lenslet's number. `pixel[i]` numbers the lit pixel that ray i comes from: where sub-images
+/// overlap, several rays (hypotheses) share one pixel. Capacity is fixed by the constructor.
+class Rays {
+ public:
+  Rays(std::size_t capacity, std::size_t lenslets) : ray(capacity), pixel(capacity), first_of_lenslet(lenslets + 1) {}
+
+  std::size_t capacity() const noexcept { return ray.size(); }
+  std::span<const Ray> all() const noexcept { return {ray.data(), size}; }
+
+  std::vector<Ray> ray;
+  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint32_t> first_of_lenslet;  ///< rays of lenslet l: first_of_lenslet[l] … first_of_lenslet[l + 1]
+  std::size_t size = 0;
+  std::size_t pixels = 0;  ///< lit pixels that have a ray
+};
+
+}  // namespace rptv

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The voxels at or above C_min, and the candidates that classification makes of them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "reconstruct/ray_counter.hpp"
+
+namespace rptv {
+
+/// An inner voxel (1 … size along x and y) and its counter.
+struct CloudVoxel {
+  std::int32_t x, y, z;
+  std::uint16_t count;
+};
+
+/// Where a particle may be: image space, mm.
+struct Candidate {
+  float x_mm, y_mm, z_mm;
+  std::uint16_t count;  ///< highest counter that it was made from
+};
+
+/// Centre of a voxel given by (fractional) numbers.
+inline Candidate candidate_at(const VoxelGrid& grid, float x, float y, float z, std::uint16_t count) noexcept {
+  return {grid.first_x_mm + (x - 1) * grid.step_x_mm, grid.first_y_mm + (y - 1) * grid.step_y_mm,
+          grid.first_z_mm + z * grid.step_z_mm, count};
+}
+
+/// Voxels in raster order (z slowest). Capacity is fixed by the constructor.
+class VoxelCloud {
+ public:
+  explicit VoxelCloud(std::size_t capacity) { voxels_.reserve(capacity); }
+
+  /// Takes every inner voxel with at least `least` rays, eq. (7). Returns how many did not fit. Allocates nothing.
+  std::size_t collect(const RayCounter& counter, std::uint16_t least) noexcept;
+
+  const std::vector<CloudVoxel>& voxels() const noexcept { return voxels_; }
+  std::size_t capacity() const noexcept { return voxels_.capacity(); }
+
+ private:
+  std::vector<CloudVoxel> voxels_;
+};
+
+}  // namespace rptv
