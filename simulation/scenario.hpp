@@ -27,7 +27,7 @@ struct SeedingSettings {
   std::int64_t particles = 240;      ///< mean number in the lit box
   double particle_radius_um = 15.0;  ///< half the diameter of its image, divided by the magnification
   double volume_x_mm = 7.0, volume_y_mm = 7.0, volume_z_mm = 7.0;
-  double photoelectrons = 20000.0;  ///< per particle and frame at z = 0, in the whole image
+  double photoelectrons = 40000.0;  ///< per particle and frame at z = 0, in the whole image
   void fields(FieldList& list);
 };
 
@@ -36,7 +36,7 @@ struct MainLensSettings {
   double efl_mm = 25.0;
   double focus_distance_mm = 35.0;  ///< from H1 to the plane conjugate to the microlens array (object z = 0)
   double entrance_pupil_mm = 3.0;   ///< behind H1
-  double f_number = 8.5;            ///< efl / entrance pupil diameter
+  double f_number = 9.0;            ///< efl / entrance pupil diameter
   void fields(FieldList& list);
 };
 
@@ -53,11 +53,11 @@ struct LensletArraySettings {
 
 /// Ideal mono camera: Poisson photoelectrons, Gaussian read noise, linear gain, clipping.
 struct CameraSettings {
-  std::int64_t width_px = 1088, height_px = 1088;
-  double pixel_um = 16.0;
+  std::int64_t width_px = 960, height_px = 960;
+  double pixel_um = 18.0;
   std::int64_t bits = 12;
-  double gain_e_per_dn = 2.0;
-  double read_noise_e = 0.7;
+  double gain_e_per_dn = 4.0;
+  double read_noise_e = 0.9;
   double black_level_dn = 32.0;
   double background_e = 0.0;  ///< stray light per pixel, photoelectrons
   bool noise = true;          ///< shot and read noise; false: expected values, rounded
