@@ -2,12 +2,11 @@
 // A subscriber that only measures: how many frames arrive, how late, and what the daemon says it lost.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 
-#include "core/latency.hpp"
 #include "proto/channel.hpp"
+#include "proto/text.hpp"
 #include "proto/wire.hpp"
 
 namespace rptv {
@@ -28,15 +27,14 @@ class LiveListener {
   /// The last status message; `state` is `starting` while none has come.
   const StatusReport& status() const noexcept { return status_; }
 
-  /// Table of P50, P99, P99.9 and max from exposure end to each stage and to this subscriber, ms.
-  std::string latency_table() const;
+  /// From exposure end to each stage and to this subscriber.
+  const ReceivedLatency& latency() const noexcept { return latency_; }
 
  private:
   SubscribeChannel channel_;
   WireMessage message_;
   StatusReport status_;
-  std::array<LatencyHistogram, kStageCount> stages_;
-  LatencyHistogram received_;
+  ReceivedLatency latency_;
   std::uint64_t frames_ = 0, track_points_ = 0, first_frame_ = 0, last_frame_ = 0;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 double milliseconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-6; }
 
-std::string quoted(std::string_view text) {
+std::string json_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -56,10 +56,10 @@ std::string to_json(const SessionReport& report) {
   json += R"(},"losses":[)";
   for (std::size_t i = 0; i < report.losses.size(); ++i) {
     const LossCount& loss = report.losses[i];
-    json += fmt::format(R"({}{{"place":{},"cause":"{}","count":{}}})", i > 0 ? "," : "", quoted(loss.place),
+    json += fmt::format(R"({}{{"place":{},"cause":"{}","count":{}}})", i > 0 ? "," : "", json_text(loss.place),
                         name_of(loss.cause), loss.count);
   }
-  return json + R"(],"source_failure":)" + quoted(report.source_failure) + "}";
+  return json + R"(],"source_failure":)" + json_text(report.source_failure) + "}";
 }
 
 }  // namespace rptv

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Which source and which reconstruction a configuration asks for.
+#include <vector>
+
+#include "calibration/light_field_calibration.hpp"
+#include "core/error.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/light_field.hpp"
+#include "replay/image_file.hpp"
 #include "replay/replay_source.hpp"
 
 namespace rptv {
@@ -12,7 +17,32 @@ std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const st
   if (cameras.size() != 1)
     throw Error(ExitCode::configuration, "a light field has one camera and the source has " +
                                              std::to_string(cameras.size()) + "; give one camera's folder as its path");
-  return std::make_unique<LightField>(config.light_field, cameras.front());
+  const LightFieldSettings& settings = config.light_field;
+  if (settings.calibration.empty())
+    throw Error(ExitCode::configuration,
+                "light_field.calibration is empty; name the calibration file in the configuration or with --set");
+  const LightFieldCalibration calibration = read_light_field_calibration(settings.calibration);
+  const ImageShape& shape = cameras.front().shape;
+  if (shape.width_px != calibration.sensor.width_px || shape.height_px != calibration.sensor.height_px)
+    throw Error(ExitCode::configuration, settings.calibration + ": made for " +
+                                             std::to_string(calibration.sensor.width_px) + " x " +
+                                             std::to_string(calibration.sensor.height_px) + " px and the images have " +
+                                             std::to_string(shape.width_px) + " x " + std::to_string(shape.height_px) +
+                                             "; use the calibration of this camera and region of interest");
+  std::vector<std::byte> pixels;
+  ImageView background;
+  if (!settings.background_image.empty()) {
+    const auto reader = open_image(settings.background_image);
+    background.shape = reader->header(0).shape;
+    if (background.shape != shape)
+      throw Error(ExitCode::configuration, settings.background_image +
+                                               ": has another size or depth than the images; record it with the same "
+                                               "camera settings");
+    pixels.resize(background.shape.bytes());
+    reader->decode(0, pixels);
+    background.data = pixels.data();
+  }
+  return std::make_unique<LightField>(settings, calibration, background);
 }
 
 }  // namespace rptv

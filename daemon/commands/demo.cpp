@@ -36,9 +36,7 @@ void simulate(const DemoOptions& options) {
 }
 
 /// Replays the images through a daemon of its own, as a user would, with this process as the subscriber.
-LiveListener replay(const DemoOptions& options) {
-  const std::string endpoint = fmt::format("ipc://@rapidptv-demo-{}", getpid());
-  LiveListener listener(endpoint);
+void replay(const DemoOptions& options, const std::string& endpoint, LiveListener& listener) {
   ChildProcess daemon({"run", "--config", SimulatedRunFiles(options.out).rig, "--tracks", options.out / "tracks.csv",
                        "--points", options.out / "points.csv", "--report", options.out / "report.json", "--endpoint",
                        endpoint, "--wait-for-subscriber", "--log-level", "warning"});
@@ -46,13 +44,12 @@ LiveListener replay(const DemoOptions& options) {
   while (listener.poll(kPollMs) || !daemon.ended()) {
   }
   if (daemon.exit_code() != 0) throw Error(ExitCode::internal, "the daemon failed; its message stands above");
-  return listener;
 }
 
 void print_live(const LiveListener& listener) {
   std::cout << fmt::format("\nLive: {} frames and {} track points received, {} frames missing\n", listener.frames(),
                            listener.track_points(), listener.missing_frames())
-            << listener.latency_table();
+            << listener.latency().table();
   if (listener.status().losses.empty()) std::cout << "  losses: none\n";
   for (const LossCount& loss : listener.status().losses)
     std::cout << fmt::format("  lost: {} × {} at {}\n", loss.count, name_of(loss.cause), loss.place);
@@ -93,7 +90,10 @@ ExitCode demo(const DemoOptions& options) {
   std::cout << fmt::format("Replaying them at {} Hz through the daemon, with a subscriber attached …\n",
                            options.rate_hz)
             << std::flush;
-  print_live(replay(options));
+  const std::string endpoint = fmt::format("ipc://@rapidptv-demo-{}", getpid());
+  LiveListener listener(endpoint);
+  replay(options, endpoint, listener);
+  print_live(listener);
   const Measurement tracks = read_measurement(options.out / "tracks.csv");
   print_score(score(tracks, read_truth(SimulatedRunFiles(options.out).truth), ScoreSettings{}));
   const WallProfile profile = measure_wall_profile(
