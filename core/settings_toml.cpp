@@ -7,19 +7,25 @@
 #include <system_error>
 #include <utility>
 
+// toml++ 3.3 asserts (or, in clang's release builds, assumes) that a key begins with a key's character and then reports
+// as an error when it does not: without the assertions it does what it should.
 #define TOML_HEADER_ONLY 1
+#define TOML_ASSERT(expression) static_assert(true)
+#include <toml++/impl/preprocessor.h>
+#undef TOML_ASSUME
+#define TOML_ASSUME(...) static_assert(true)
 #include <toml++/toml.h>
 
 #include "core/error.hpp"
 #include "core/quote.hpp"
 #include "core/settings.hpp"
 #include "core/settings_check.hpp"
+#include "core/toml_precheck.hpp"
 
 namespace rptv {
 namespace {
 
 constexpr std::uintmax_t kLargestFileBytes = std::uintmax_t{64} << 20;
-constexpr std::size_t kDeepestKey = 32;  // parts of a dotted key; toml++ recurses over them
 
 /// One read of one text: where it came from, where it goes, and what was found so far. Fields change only at the end.
 class TomlReading {
@@ -28,7 +34,9 @@ class TomlReading {
       : origin_(origin), kind_(kind), schema_(schema), fields_(fields) {}
 
   void read(std::string_view text) {
-    check_key_depth(text);
+    if (const auto objection = precheck_toml(text))
+      throw Error(ExitCode::configuration, origin_ + ":" + std::to_string(objection->line) + ":" +
+                                               std::to_string(objection->column) + ": " + objection->text);
     toml::table root;
     try {
       root = toml::parse(text, origin_);
@@ -48,24 +56,6 @@ class TomlReading {
   [[noreturn]] void refuse(const toml::source_region& where, const std::string& text) const {
     throw Error(ExitCode::configuration, origin_ + ":" + std::to_string(where.begin.line) + ":" +
                                              std::to_string(where.begin.column) + ": " + text);
-  }
-
-  /// A key of thousands of parts would exhaust the stack: it is refused before it is parsed.
-  void check_key_depth(std::string_view text) const {
-    std::size_t parts = 1;
-    toml::source_region here{{1, 0}, {}, {}};
-    char before = '\n';
-    for (const char c : text) {
-      ++here.begin.column;
-      const bool ends_key = std::string_view("\n,=[]{}#").find(c) != std::string_view::npos;
-      if (ends_key || (c == '.' && before == '.')) parts = 1;
-      if (c == '.' && ++parts > kDeepestKey) refuse(here, "a key of more than 32 parts; shorten it");
-      if (c == '\n') {
-        ++here.begin.line;
-        here.begin.column = 0;
-      }
-      if (c != ' ' && c != '\t') before = c;
-    }
   }
 
   void check_schema(toml::table& root) const {
