@@ -37,7 +37,7 @@ void PointsWriter::write(std::uint64_t frame, double t_s, const Particles& parti
 }
 
 std::vector<CsvColumn> PointsReader::columns() {
-  std::vector<CsvColumn> list = {{"frame"}, {"x", {"x_mm"}}, {"y", {"y_mm"}}, {"z", {"z_mm"}}};
+  std::vector<CsvColumn> list = {{"frame"}, {"x", {"x_mm"}}, {"y", {"y_mm"}}, {"z", {"z_mm"}, false}};
   list.push_back({"residual", {"residual_mm"}, false});
   list.push_back({"support", {}, false});
   for (const char* name : {"var_x", "var_y", "var_z", "cov_xy", "cov_xz", "cov_yz"}) list.push_back({name, {}, false});
@@ -52,7 +52,7 @@ PointRow PointsReader::row() const {
   row.frame = csv_.index(kFrame);
   row.x_mm = csv_.number(kX);
   row.y_mm = csv_.number(kY);
-  row.z_mm = csv_.number(kZ);
+  if (csv_.has(kZ)) row.z_mm = csv_.number(kZ);  // tables of the plane have none
   if (csv_.has(kResidual)) row.residual_mm = csv_.number(kResidual);
   if (csv_.has(kSupport)) row.support = csv_.number(kSupport);
   for (std::size_t i = 0; i < 6; ++i)

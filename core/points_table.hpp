@@ -55,8 +55,9 @@ class PointsWriter {
   CsvWriter csv_;
 };
 
-/// "-" is standard input. Needs frame,x,y,z; takes residual, support, covariance and t where they are there. Frames
-/// must not decrease, and t must be one value per frame and increase with it: else Error(bad_data) names the line.
+/// "-" is standard input. Needs frame,x,y; takes z (else 0), residual, support, covariance and t where they are there.
+/// Frames must not decrease, and t must be one value per frame and increase with it: else Error(bad_data) names the
+/// line.
 class PointsReader {
  public:
   explicit PointsReader(const std::filesystem::path& file) : PointsReader(CsvReader(file, columns())) {}
