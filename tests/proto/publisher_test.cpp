@@ -91,7 +91,7 @@ TEST(Publisher, sends_all_that_waits_before_it_stops_and_gives_every_lease_back)
   }));
   ASSERT_TRUE(eventually([&] { return rig.publisher->waiting() == 0 && rig.pool.free_slots() == 16; }));
   for (std::uint64_t frame = 101; frame <= 108; ++frame) EXPECT_TRUE(rig.publish(frame));
-  rig.publisher->stop();
+  rig.publisher.reset();
   EXPECT_EQ(rig.pool.free_slots(), 16U);
   std::vector<std::uint64_t> frames;
   EXPECT_TRUE(eventually([&] {
@@ -186,7 +186,8 @@ TEST(Publisher, keeps_the_pool_whole_with_subscribers_that_come_and_go) {
     SubscribeChannel subscriber(rig.from({Topic::tracks, Topic::particles, Topic::status}));
     WireMessage message;
     EXPECT_TRUE(eventually([&] {
-      rig.publish(frame++, frame % kCapacity);
+      ++frame;
+      rig.publish(frame, frame % kCapacity);
       return receive(subscriber, message, 1);
     }));
   }
