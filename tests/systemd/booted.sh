@@ -18,7 +18,7 @@ within() {
   until "$@"; do [ $SECONDS -lt $until ] || return 1; sleep 0.1; done
 }
 
-status_tells_of_frames() { [[ $(property StatusText) =~ ^[1-9][0-9]*\ frames ]]; }
+status_tells_of_frames() { [[ $(property StatusText) =~ ^[1-9][0-9]*\ frames.*\ [1-9][0-9]*\ tracks ]]; }
 status_moved_on() { status_tells_of_frames && [ "$(property StatusText)" != "$1" ]; }
 restarted() { [ "$(property NRestarts)" = 1 ] && systemctl -q is-active rapidptv; }
 
@@ -36,17 +36,16 @@ runuser -u nobody -g rapidptv -- rapidptv tail --count 20 --timeout 10 >/tmp/lin
 runuser -u nobody -g nogroup -- rapidptv tail --count 1 --timeout 1 >/dev/null 2>&1 && fail "a stranger can subscribe"
 
 pid=$(property MainPID)
-kill -STOP "$pid" # nobody feeds the watchdog now
+kill -STOP "$pid"  # nobody feeds the watchdog now
 within 30 restarted || fail "the watchdog did not bring it back"
-journalctl -u rapidptv --no-pager -o cat | grep -qi 'watchdog timeout' || fail "restarted, but not by the watchdog"
 [ "$(property MainPID)" != "$pid" ] || fail "still the old process"
 within 15 status_tells_of_frames || fail "no frames after the restart"
 
 systemctl stop rapidptv || fail "stop"
 [ "$(property Result) $(property ExecMainStatus)" = "success 0" ] || fail "it stopped with $(property Result) $(property ExecMainStatus)"
-journalctl -u rapidptv --no-pager -o cat -p err -S today | grep -v -i -e watchdog -e 'core' | grep . && fail "errors in the journal"
+journalctl -u rapidptv --no-pager -o cat -p err | grep -v -e '^-- ' && fail "errors in the journal"
 
-# A broken configuration: one line in the journal at priority error, and no restart.
+# A broken configuration: one line in the journal that names the mistake, and no restart.
 sed -i '1s/^/nonsense = 1\n/' /etc/rapidptv/rig.toml
 systemctl start rapidptv 2>/dev/null && fail "it started with a broken configuration"
 [ "$(property ExecMainStatus) $(property NRestarts)" = "78 0" ] || fail "exit $(property ExecMainStatus), $(property NRestarts) restarts"
