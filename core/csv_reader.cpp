@@ -59,35 +59,13 @@ CsvReader CsvReader::from_text(std::string_view text, std::string origin, std::v
 CsvReader::CsvReader(std::string origin, int file, std::string_view text, std::vector<CsvColumn> columns)
     : origin_(std::move(origin)), file_(file), columns_(std::move(columns)), buffer_(text.begin(), text.end()) {
   end_ = buffer_.size();
-  if (file_ >= 0) buffer_.resize(kFirstBufferBytes);
-  try {
-    read_header();
-  } catch (...) {
-    if (file_ > STDIN_FILENO) ::close(file_);
-    throw;
-  }
-}
-
-// Views in cells_ stay valid: a moved vector keeps its memory.
-CsvReader::CsvReader(CsvReader&& other) noexcept
-    : origin_(std::move(other.origin_)),
-      file_(std::exchange(other.file_, -1)),
-      columns_(std::move(other.columns_)),
-      position_(std::move(other.position_)),
-      buffer_(std::move(other.buffer_)),
-      begin_(std::exchange(other.begin_, 0)),
-      end_(std::exchange(other.end_, 0)),
-      line_(other.line_),
-      cells_(std::move(other.cells_)),
-      width_(other.width_) {}
-
-CsvReader::~CsvReader() {
-  if (file_ > STDIN_FILENO) ::close(file_);
+  if (file_.open()) buffer_.resize(kFirstBufferBytes);
+  read_header();
 }
 
 /// Fills the window behind end_, making room first; false at the end of the file.
 bool CsvReader::read_more() {
-  if (file_ < 0) return false;
+  if (!file_.open()) return false;
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
@@ -96,7 +74,7 @@ bool CsvReader::read_more() {
   if (end_ == buffer_.size()) buffer_.resize(buffer_.size() * 2);
   ssize_t got;
   do {
-    got = ::read(file_, buffer_.data() + end_, buffer_.size() - end_);
+    got = ::read(file_.get(), buffer_.data() + end_, buffer_.size() - end_);
   } while (got < 0 && errno == EINTR);
   if (got < 0) {
     const int reason = errno;

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/descriptor.hpp"
+
 namespace rptv {
 
 /// A column that a reader looks for: by its name, else by the first alias that the header has.
@@ -29,9 +31,6 @@ class CsvReader {
   CsvReader(const std::filesystem::path& file, std::vector<CsvColumn> columns);
   /// The same over text in memory; `origin` stands for the file's name in messages.
   static CsvReader from_text(std::string_view text, std::string origin, std::vector<CsvColumn> columns);
-  ~CsvReader();
-  CsvReader(CsvReader&& other) noexcept;
-  CsvReader& operator=(CsvReader&&) = delete;
 
   /// Goes to the next row; false at the end. Throws when its number of cells is not the header's.
   bool next();
@@ -59,7 +58,7 @@ class CsvReader {
   [[noreturn]] void refuse_cell(std::size_t column, std::string_view what) const;
 
   std::string origin_;
-  int file_;  // descriptor; -1: text in memory
+  Descriptor file_;  // none: text in memory
   std::vector<CsvColumn> columns_;
   std::vector<std::size_t> position_;
   std::vector<char> buffer_;

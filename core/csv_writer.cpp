@@ -38,18 +38,7 @@ CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header)
   put("\n");
 }
 
-CsvWriter::CsvWriter(CsvWriter&& other) noexcept
-    : origin_(std::move(other.origin_)),
-      file_(std::exchange(other.file_, -1)),
-      error_(other.error_),
-      row_begun_(other.row_begun_),
-      buffer_(std::move(other.buffer_)),
-      used_(std::exchange(other.used_, 0)) {}
-
-CsvWriter::~CsvWriter() {
-  flush();
-  if (file_ > STDERR_FILENO) ::close(file_);
-}
+CsvWriter::~CsvWriter() { flush(); }
 
 void CsvWriter::put(std::string_view bytes) noexcept {
   while (!bytes.empty() && ok()) {
@@ -113,8 +102,8 @@ void CsvWriter::end_row() noexcept {
 
 bool CsvWriter::flush() noexcept {
   std::size_t done = 0;
-  while (done < used_ && ok() && file_ >= 0) {
-    const ssize_t written = ::write(file_, buffer_.data() + done, used_ - done);
+  while (done < used_ && ok() && file_.open()) {
+    const ssize_t written = ::write(file_.get(), buffer_.data() + done, used_ - done);
     if (written > 0)
       done += static_cast<std::size_t>(written);
     else if (written == 0 || errno != EINTR)
@@ -134,8 +123,7 @@ void CsvWriter::check() const {
 
 void CsvWriter::close() {
   flush();
-  if (file_ > STDERR_FILENO && ::close(file_) != 0 && ok()) error_ = errno;
-  file_ = -1;
+  if (const int failure = file_.close(); failure != 0 && ok()) error_ = failure;
   check();
 }
 

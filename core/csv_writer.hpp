@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/descriptor.hpp"
+
 namespace rptv {
 
 /// Writes a header and rows; doubles as the shortest text that reads back bit for bit. The calls that write allocate
@@ -18,7 +20,7 @@ class CsvWriter {
   /// "-" is standard output. Throws Error(permission or io) when the file cannot be created.
   CsvWriter(const std::filesystem::path& file, std::string_view header);
   ~CsvWriter();  ///< writes what is left; call close() to learn of failures
-  CsvWriter(CsvWriter&& other) noexcept;
+  CsvWriter(CsvWriter&&) noexcept = default;
   CsvWriter& operator=(CsvWriter&&) = delete;
 
   CsvWriter& number(double value) noexcept;
@@ -37,7 +39,7 @@ class CsvWriter {
   void put(std::string_view bytes) noexcept;
 
   std::string origin_;
-  int file_;
+  Descriptor file_;
   int error_ = 0;  // errno of the first failure
   bool row_begun_ = false;
   std::vector<char> buffer_;

@@ -6,54 +6,17 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <bit>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <random>
 
 #include "core/error.hpp"
+#include "tests/core/sample_rig.hpp"
 
 namespace rptv {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-struct Lens {
-  double focal_length_mm = 50;
-  std::vector<double> centre_mm = {1, 2};
-  void fields(FieldList& list) {
-    list.number("focal_length_mm", focal_length_mm, 1e-3, 1e4, "of the main lens, mm");
-    list.numbers("centre_mm", centre_mm, 2, -100, 100, "where the axis meets the array, mm");
-  }
-};
-
-struct Rig {
-  std::string name = "rig";
-  std::string policy = "newest";
-  std::int64_t memory = 3;
-  bool loop = false;
-  double rate_hz = 100;
-  std::vector<double> weights;
-  Lens lens;
-  void fields(FieldList& list) {
-    list.text("name", name, "of the rig");
-    list.choice("policy", policy, {"newest", "lossless"}, "what to do when behind");
-    list.integer("memory", memory, 0, 100, "frames that a particle may be unseen");
-    list.flag("loop", loop, "begin again at the end");
-    list.number("rate_hz", rate_hz, 0, 1e6, "frames per second");
-    list.numbers("weights", weights, 0, -1e300, 1e300, "any number of them");
-    list.section("lens", lens);
-  }
-};
-
-void read(Rig& rig, std::string_view text) {
-  FieldList list;
-  rig.fields(list);
-  read_toml_text(text, "rig.toml", "configuration", 1, list);
-}
 
 /// The message and code of the Error that reading `text` throws; "no error" when it does not.
 std::string complaint(std::string_view text) {
@@ -63,19 +26,6 @@ std::string complaint(std::string_view text) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::configuration) << text;
     EXPECT_THAT(error.what(), Not(HasSubstr("\n")));
-    return error.what();
-  }
-  return "no error";
-}
-
-std::string set_complaint(std::string_view assignment) {
-  Rig rig;
-  FieldList list;
-  rig.fields(list);
-  try {
-    set_field(list, assignment);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::usage);
     return error.what();
   }
   return "no error";
@@ -188,35 +138,6 @@ TEST(Settings, change_nothing_when_a_file_is_refused) {
   EXPECT_EQ(rig.memory, 3);
 }
 
-TEST(Settings, are_set_one_by_one_from_a_command_line) {
-  Rig rig;
-  FieldList list;
-  rig.fields(list);
-  for (const char* assignment : {"memory=12", "rate_hz=1e3", "loop=true", "name=a=b c", "policy=lossless",
-                                 "weights=1, 2.5,-3", "lens.centre_mm=[4,5]"})
-    set_field(list, assignment);
-  EXPECT_EQ(rig.memory, 12);
-  EXPECT_EQ(rig.rate_hz, 1000);
-  EXPECT_TRUE(rig.loop);
-  EXPECT_EQ(rig.name, "a=b c");
-  EXPECT_EQ(rig.policy, "lossless");
-  EXPECT_EQ(rig.weights, (std::vector<double>{1, 2.5, -3}));
-  EXPECT_EQ(rig.lens.centre_mm, (std::vector<double>{4, 5}));
-  set_field(list, "weights=");
-  EXPECT_TRUE(rig.weights.empty());
-}
-
-TEST(Settings, refuse_a_bad_assignment_from_a_command_line) {
-  EXPECT_THAT(set_complaint("memory"), HasSubstr("has no '='"));
-  EXPECT_THAT(set_complaint("memroy=1"), HasSubstr("did you mean 'memory'"));
-  EXPECT_EQ(set_complaint("memory=1.5"), "--set 'memory=1.5': 'memory' must be an integer from 0 to 100");
-  EXPECT_THAT(set_complaint("rate_hz=nan"), HasSubstr("finite number"));
-  EXPECT_THAT(set_complaint("rate_hz=1x"), HasSubstr("finite number"));
-  EXPECT_THAT(set_complaint("loop=yes"), HasSubstr("true or false"));
-  EXPECT_THAT(set_complaint("lens.centre_mm=1"), HasSubstr("array of 2"));
-  EXPECT_THAT(set_complaint("name=\xff"), HasSubstr("UTF-8"));
-}
-
 TEST(Settings, say_why_a_file_cannot_be_read) {
   Rig rig;
   FieldList list;
@@ -240,61 +161,16 @@ TEST(Settings, say_why_a_file_cannot_be_read) {
   std::filesystem::remove_all(folder);
 }
 
-/// Any finite double, every exponent as likely as any other.
-double any_double(std::mt19937_64& random, double largest) {
-  while (true) {
-    const auto value = std::bit_cast<double>(random());
-    if (std::isfinite(value) && std::fabs(value) <= largest) return value;
-  }
-}
-
-std::string any_text(std::mt19937_64& random) {
-  const char* pieces[] = {"a", "\"", "\\", "\n", "\t", "\x01", "\x7f", "µ", "粒", "🫧", "'", "#", "=", " ", "\r"};
-  std::string text;
-  for (auto left = random() % 20; left > 0; --left) text += pieces[random() % std::size(pieces)];
-  return text;
-}
-
-TEST(Settings, come_back_bit_for_bit_from_their_own_text) {
-  std::mt19937_64 random(2024);
-  for (int round = 0; round < 2000; ++round) {
-    Rig rig, again;
-    rig.name = any_text(random);
-    rig.policy = random() % 2 != 0 ? "newest" : "lossless";
-    rig.memory = static_cast<std::int64_t>(random() % 101);
-    rig.loop = random() % 2 != 0;
-    rig.rate_hz = std::fabs(any_double(random, 1e6));
-    rig.lens.centre_mm = {any_double(random, 100), round == 0 ? -0.0 : any_double(random, 100)};
-    for (auto left = random() % 5; left > 0; --left) rig.weights.push_back(any_double(random, 1e300));
-    FieldList list;
-    rig.fields(list);
-    read(again, to_toml(list, 1));
-    ASSERT_EQ(again.name, rig.name);
-    ASSERT_EQ(again.policy, rig.policy);
-    ASSERT_EQ(again.memory, rig.memory);
-    ASSERT_EQ(again.loop, rig.loop);
-    ASSERT_EQ(std::bit_cast<std::uint64_t>(again.rate_hz), std::bit_cast<std::uint64_t>(rig.rate_hz));
-    ASSERT_EQ(again.weights.size(), rig.weights.size());
-    ASSERT_EQ(std::memcmp(again.weights.data(), rig.weights.data(), rig.weights.size() * sizeof(double)), 0);
-    ASSERT_EQ(std::memcmp(again.lens.centre_mm.data(), rig.lens.centre_mm.data(), 2 * sizeof(double)), 0);
-  }
-}
-
-TEST(Settings, print_the_meaning_and_the_bounds_of_each_key) {
+TEST(Settings, refuse_characters_that_the_parser_library_cannot_take) {
+  EXPECT_EQ(complaint("memory = \u00B5"),
+            "rig.toml:1:10: a character beyond ASCII outside of quotes; put the text in quotes");
+  EXPECT_THAT(complaint("name = \"\"\"a\\\n  \u00A7\"\"\""),
+              HasSubstr("rig.toml:2:3: a character beyond ASCII behind"));
+  EXPECT_THAT(complaint("name = 'a' # \xff"), HasSubstr("rig.toml:1:14: the text is not UTF-8"));
   Rig rig;
-  FieldList list;
-  rig.fields(list);
-  const std::string text = to_toml(list, 1);
-  EXPECT_THAT(text, HasSubstr("schema = 1\n"));
-  EXPECT_THAT(text, HasSubstr("# frames per second\n#   a finite number from 0 to 1e+06\nrate_hz = 100.0\n"));
-  EXPECT_THAT(text, HasSubstr("\n[lens]\n"));
-}
-
-TEST(Settings, refuse_two_fields_of_one_name) {
-  double value = 0;
-  FieldList list;
-  list.number("x", value, 0, 1, "");
-  EXPECT_THROW(list.number("x", value, 0, 1, ""), Error);
+  read(rig, "# \u00B5\nname = \"\"\"\n\u00B5 \\\"\"\" \u00A7 \\\n  m\"\"\"\"\" # \u00B5\nmemory = 2\n");
+  EXPECT_EQ(rig.name, "\u00B5 \"\"\" \u00A7 m\"\"");
+  EXPECT_EQ(rig.memory, 2);
 }
 
 }  // namespace
