@@ -100,7 +100,7 @@ TEST_F(Tables, points_out_of_order_are_refused_with_the_line) {
   EXPECT_THAT(complaint_of_points("frame,x,y,z\n-1,0,0,0\n"), HasSubstr("column 'frame' is '-1', negative"));
   EXPECT_THAT(complaint_of_points("frame,x,y,z,t\n1,0,0,0,1\n1,0,0,0,2\n"), HasSubstr("points.csv:3: two times t"));
   EXPECT_THAT(complaint_of_points("frame,x,y,z,t\n1,0,0,0,1\n2,0,0,0,1\n"), HasSubstr("points.csv:3: t does not"));
-  EXPECT_THAT(complaint_of_points("frame,x,y\n"), HasSubstr("no column 'z'; the header is 'frame,x,y'"));
+  EXPECT_THAT(complaint_of_points("frame,x,z\n"), HasSubstr("no column 'y'; the header is 'frame,x,z'"));
 }
 
 TEST_F(Tables, tracks_come_back_as_they_were) {
