@@ -3,7 +3,6 @@
 #include "daemon/config.hpp"
 
 #include <cerrno>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.hpp"
+#include "core/json.hpp"
 
 namespace rptv {
 
@@ -76,25 +76,10 @@ void resolve_paths(Config& config, const fs::path& origin) {
     if (!path->empty() && *path != "-") *path = (folder / *path).lexically_normal().string();
 }
 
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += std::string("\\") + c;
-    else if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
 struct JsonValue {
   std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
   std::string operator()(const std::int64_t* value) const { return fmt::format("{}", *value); }
-  std::string operator()(const double* value) const {
-    return std::isfinite(*value) ? fmt::format("{}", *value) : "null";
-  }
+  std::string operator()(const double* value) const { return json_number(*value); }
   std::string operator()(const std::string* value) const { return json_string(*value); }
   std::string operator()(const std::vector<double>* values) const {
     std::string list;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// `rapidptv check`: would a run with this configuration start?
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "daemon/commands/command.hpp"
+#include "daemon/config_check.hpp"
+
+namespace rptv {
+namespace {
+
+struct CheckOptions {
+  std::string config;
+  std::vector<std::string> set;
+  bool json = false;
+};
+
+ExitCode check(const CheckOptions& options) {
+  const auto results = check_config(options.config, options.set);
+  std::cout << (options.json ? to_json(results) + "\n" : to_text(results)) << std::flush;
+  if (const CheckResult* failed = first_failure(results)) throw Error(failed->code, failed->text);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand("check", "Say whether a run with this configuration would start");
+  command->add_option("-c,--config,config", options->config, "configuration (TOML)")->required();
+  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->footer(
+      "Reads the configuration, the calibration and every image's header, builds the stages and binds the endpoints\n"
+      "for a moment. The exit code is that of the first failure: 66 no input, 65 bad data, 78 configuration, ...\n"
+      "Examples:\n"
+      "  rapidptv check rig.toml\n"
+      "  rapidptv check rig.toml --set publisher.endpoint=tcp://127.0.0.1:5555 --json");
+  command->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+}
+
+}  // namespace rptv
