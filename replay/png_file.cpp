@@ -21,6 +21,8 @@ namespace rptv {
 namespace {
 
 constexpr char kBitsKey[] = "SignificantBits";
+constexpr png_alloc_size_t kMaxMetadataBytes =
+    8'000'000;  // per chunk, unpacked: text and colour profiles stay far below
 
 void on_error(png_structp png, png_const_charp text) {
   auto* message = static_cast<LibraryMessage*>(png_get_error_ptr(png));
@@ -66,6 +68,7 @@ bool read_info(ReadSession& session, std::FILE* file) noexcept {
   if (setjmp(png_jmpbuf(session.png)) != 0) return false;
   png_init_io(session.png, file);
   png_set_user_limits(session.png, kMaxImageSidePx, kMaxImageSidePx);
+  png_set_chunk_malloc_max(session.png, kMaxMetadataBytes);
   png_read_info(session.png, session.info);
   return true;
 }
@@ -122,9 +125,9 @@ class PngReader final : public ImageReader {
  public:
   explicit PngReader(const std::filesystem::path& path) : path_(path), file_(std::fopen(path.c_str(), "rbe")) {
     if (file_ == nullptr) throw system_error(path_, errno, "opened");
+    check_complete(fileno(file_.get()), path_);  // first: a chunk can then be no longer than the file
     ReadSession session;
     header_ = start(session);
-    check_complete(fileno(file_.get()), path_);
   }
   std::size_t pages() const noexcept override { return 1; }
   const ImageHeader& header(std::size_t) const noexcept override { return header_; }
