@@ -54,8 +54,8 @@ double per_pupil_distance(const LightFieldCalibration& calibration) {
 struct LightField::Stages {
   Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background);
 
-  void find_candidates() noexcept;
-  bool dense() const noexcept;
+  void find_candidates(bool first_round) noexcept;
+  bool cloud_is_dense() const noexcept;
   void write(Particles& out) const noexcept;
 
   const LightFieldSettings settings;
@@ -77,6 +77,7 @@ struct LightField::Stages {
   Dbscan dbscan;
   std::vector<Candidate> candidates;
   ExplainAway explain_away;
+  bool dense = true;  // the first round decides for the frame
   LightFieldCounts counts;
 };
 
@@ -103,17 +104,18 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
   candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
 }
 
-bool LightField::Stages::dense() const noexcept {
+bool LightField::Stages::cloud_is_dense() const noexcept {
   if (settings.classification != "auto") return settings.classification == "local_maxima";
   const double voxels = static_cast<double>(grid.size_x) * grid.size_y * grid.planes;
   return static_cast<double>(cloud.voxels().size()) > settings.density_limit * voxels;
 }
 
-void LightField::Stages::find_candidates() noexcept {
+void LightField::Stages::find_candidates(bool first_round) noexcept {
   candidates.clear();
   counts.refused_candidates += cloud.collect(counter, min_count);  // eq. (7)
-  counts.refused_candidates += dense() ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                       : dbscan.classify(cloud, candidates);
+  if (first_round) dense = cloud_is_dense();
+  counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
+                                     : dbscan.classify(cloud, candidates);
   counts.candidates += candidates.size();
 }
 
@@ -160,7 +162,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   s.explain_away.begin(s.rays);
   for (std::int64_t round = 0; round < (s.settings.explain_away ? s.settings.explain_rounds : 1); ++round) {
     s.counter.count(s.rays, s.explain_away.taken());  // eq. (6)
-    s.find_candidates();
+    s.find_candidates(round == 0);
     ++s.counts.rounds;
     if (s.explain_away.explain(s.rays, s.candidates) == 0) break;
   }

@@ -30,7 +30,7 @@ struct LightFieldSettings {
   std::string classification = "auto";  ///< "local_maxima", "dbscan", or by density
   double density_limit = 0.002;         ///< auto: fraction of voxels at or above C_min beyond which a cloud is dense
   double dbscan_radius_voxels = 1.75;   ///< eps
-  std::int64_t dbscan_min_points = 6;
+  std::int64_t dbscan_min_points = 1;  ///< 1: every voxel at C_min counts; more: lonely ones are noise
   std::vector<double> maximum_radius_um{190, 190, 4000};  ///< half-widths of the box that a local maximum rules
 
   bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support

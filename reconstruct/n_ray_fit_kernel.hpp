@@ -50,13 +50,15 @@ struct RayFit {
 ///   [ 0     w    -ws_y ] [dy] = [ wr_y ]
 ///   [-ws_x -ws_y  wss  ] [dz]   [-wrs  ]
 /// is solved by elimination of dx and dy. `slope_variance` (per axis) is what blur adds to the spread of the slopes; it
-/// would shrink depths and is taken out (errors in variables; 0: slopes are exact).
-RPTV_HOST_DEVICE inline RayFit solve(const RaySums& sums, double slope_variance) noexcept {
+/// would shrink depths and is taken out of the sums, which were made at depth `z` (errors in variables; 0: exact
+/// slopes).
+RPTV_HOST_DEVICE inline RayFit solve(const RaySums& sums, double slope_variance, double z) noexcept {
   RayFit fit;
   if (!(sums.w > 0)) return fit;
   const double spread = sums.wss - (sums.ws_x * sums.ws_x + sums.ws_y * sums.ws_y) / sums.w;
-  const double trend = sums.wrs - (sums.wr_x * sums.ws_x + sums.wr_y * sums.ws_y) / sums.w;
-  const double corrected = spread - 2 * sums.w * slope_variance;
+  const double blur = 2 * sums.w * slope_variance;
+  const double trend = sums.wrs - (sums.wr_x * sums.ws_x + sums.wr_y * sums.ws_y) / sums.w - blur * z;
+  const double corrected = spread - blur;
   // Below this the rays are parallel to rounding (float slopes): the depth stays what it was.
   const bool deep = corrected > 1e-9 * sums.wss && corrected > 0.05 * spread;
   fit.slope_spread = deep ? corrected : 0;
@@ -68,33 +70,5 @@ RPTV_HOST_DEVICE inline RayFit solve(const RaySums& sums, double slope_variance)
   fit.wrr = square > 0 ? square : 0;
   return fit;
 }
-
-/// Inverse of the normal matrix times `variance` (mm², of one ray's position along one axis): xx, xy, xz, yy, yz, zz.
-struct FitCovariance {
-  double xx, xy, xz, yy, yz, zz;
-};
-
-RPTV_HOST_DEVICE inline FitCovariance covariance_of(const RaySums& sums, const RayFit& fit, double variance) noexcept {
-  const double zz = variance / fit.slope_spread;
-  const double mean_x = sums.ws_x / sums.w, mean_y = sums.ws_y / sums.w;
-  const double lateral = variance / sums.w;
-  return {lateral + mean_x * mean_x * zz, mean_x * mean_y * zz, mean_x * zz,
-          lateral + mean_y * mean_y * zz, mean_y * zz,          zz};
-}
-
-/// Which rays belong to a particle: those whose offset lies in a square, turned like the lenslets, whose half-width is
-/// half a pitch (the position is quantised by it) plus the particle's radius plus what blur makes of the depth.
-struct RayGate {
-  double cosine = 1, sine = 0;
-  double half_width_mm = 0;
-  double per_depth = 0;  ///< growth with |z|
-
-  RPTV_HOST_DEVICE double half_width_at(double z) const noexcept { return half_width_mm + per_depth * fabs(z); }
-  /// Offset in the lenslets' axes, maximum norm, mm.
-  RPTV_HOST_DEVICE double distance(const RayOffset& r) const noexcept {
-    const double along = fabs(cosine * r.x + sine * r.y), across = fabs(cosine * r.y - sine * r.x);
-    return along > across ? along : across;
-  }
-};
 
 }  // namespace rptv

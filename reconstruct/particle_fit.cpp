@@ -7,7 +7,7 @@ namespace rptv {
 namespace {
 constexpr int kWideSteps = 2;  // with the candidate's uncertainty added to the gate
 constexpr int kMostSteps = 10;
-constexpr double kStillMm = 1e-4;  // a step smaller than this (along z: a hundred times) ends the iteration
+constexpr double kStillMm = 5e-4;  // a step smaller than this (along z: a hundred times) ends the iteration
 }  // namespace
 
 ParticleFit::ParticleFit(const RayWindow& window, const FitOptions& options, std::size_t max_rays)
@@ -37,7 +37,7 @@ FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> 
     const double margin = step < kWideSteps ? options_.start_margin_mm : 0;
     const RaySums sums = sum_within(at, options_.gate.half_width_at(at.z) + margin);
     if (sums.w < options_.min_support) return {};
-    const RayFit step_to = solve(sums, options_.slope_variance);
+    const RayFit step_to = solve(sums, options_.slope_variance, at.z);
     if (step_to.slope_spread <= 0) return {};
     at = {at.x + step_to.dx, at.y + step_to.dy, at.z + step_to.dz};
     if (step >= kWideSteps && std::abs(step_to.dx) + std::abs(step_to.dy) < kStillMm &&
@@ -63,26 +63,21 @@ FittedParticle ParticleFit::fit_owned(const Rays& rays, std::span<const std::int
 FittedParticle ParticleFit::finish(const ImagePoint& at) const noexcept {
   const RaySums sums = sum_within(at, options_.gate.half_width_at(at.z));
   if (sums.w < options_.min_support) return {};
-  const RayFit step = solve(sums, options_.slope_variance);
+  const RayFit step = solve(sums, options_.slope_variance, at.z);
   if (step.slope_spread <= 0) return {};
   FittedParticle found;
   found.at = {at.x + step.dx, at.y + step.dy, at.z + step.dz};
   found.residual_mm = std::sqrt(step.wrr / sums.w);
-  double lenslets = 0;
-  const Ray* last = nullptr;
   const double half_width_mm = options_.gate.half_width_at(found.at.z);
+  LensletScores scores;
   for (std::size_t i = 0; i < near_size_; ++i) {
-    const Ray& ray = near_[i];
-    if (options_.gate.distance(offset_of(ray, found.at)) > half_width_mm) continue;
+    const RayOffset r = offset_of(near_[i], found.at);
+    if (options_.gate.distance(r) > half_width_mm) continue;
     ++found.support;
-    if (last == nullptr || last->centre_x != ray.centre_x || last->centre_y != ray.centre_y) ++lenslets;
-    last = &ray;
+    scores.add(near_[i], r);
   }
-  // The position of a ray is uniform in its cell (variance pitch²/12 along each axis); rays of one lenslet share it, so
-  // lenslets, not rays, are what averages.
-  const double quantised = options_.pitch_mm * options_.pitch_mm / 12;
-  const double variance = std::max(step.wrr / (2 * sums.w), quantised) * sums.w / std::max(lenslets, 1.0);
-  found.covariance = covariance_of(sums, step, variance);
+  scores.close();
+  found.covariance = covariance_of(sums, step, scores, options_.pitch_mm * options_.pitch_mm / 12);
   return found;
 }
 

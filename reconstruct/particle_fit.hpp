@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "reconstruct/fit_covariance_kernel.hpp"
+#include "reconstruct/ray_gate_kernel.hpp"
 #include "reconstruct/ray_window.hpp"
 
 namespace rptv {
