@@ -28,14 +28,14 @@ void Assignment::own(std::uint32_t source, std::uint32_t target, double cost) no
 /// Every track takes its nearest particle if nobody has it. Prices stay 0, so all reduced costs are right.
 void Assignment::start_greedily(const Candidates& candidates, std::span<const std::uint32_t> subnet) noexcept {
   for (const std::uint32_t s : subnet)
-    for (const Candidate& c : candidates.of(s)) targets_[c.target] = Target{};
+    for (const Candidate& c : candidates.of(s)) targets_[c.place] = Target{};
   search_ = 0;
   free_count_ = 0;
   for (const std::uint32_t s : subnet) {
     const Candidate& nearest = candidates.of(s).front();
     target_of_[s] = kNone;
-    if (targets_[nearest.target].owner == kNone)
-      own(s, nearest.target, nearest.cost);
+    if (targets_[nearest.place].owner == kNone)
+      own(s, nearest.place, nearest.cost);
     else
       free_[free_count_++] = s;
   }
@@ -71,11 +71,11 @@ Assignment::Choice Assignment::best_choice(std::span<const Candidate> row) const
   double second = kUnlinkedCost;
   for (const Candidate& c : row) {
     if (c.cost >= second) break;  // nearest first, and prices are never positive
-    const double reduced = c.cost - targets_[c.target].price;
+    const double reduced = c.cost - targets_[c.place].price;
     if (reduced < least) {
       second = least;
       least = reduced;
-      best = {c.target, c.cost, 0};
+      best = {c.place, c.cost, 0};
     } else {
       second = std::min(second, reduced);
     }
@@ -108,7 +108,7 @@ void Assignment::relax(std::span<const Candidate> row, std::uint32_t source, dou
   if (offset + kUnlinkedCost < end.distance) end = {offset + kUnlinkedCost, kNone, source};
   for (const Candidate& c : row) {
     if (offset + c.cost >= end.distance) break;
-    Target& target = targets_[c.target];
+    Target& target = targets_[c.place];
     const double distance = offset + c.cost - target.price;
     if (distance >= end.distance) continue;
     const bool seen = target.search == search_;
@@ -117,15 +117,15 @@ void Assignment::relax(std::span<const Candidate> row, std::uint32_t source, dou
     target.via_cost = c.cost;
     target.distance = distance;
     if (target.owner == kNone) {
-      end = {distance, c.target, source};
+      end = {distance, c.place, source};
       continue;
     }
     if (!seen) {
       target.search = search_;
       target.heap_at = static_cast<std::uint32_t>(heap_size_++);
-      heap_[target.heap_at] = c.target;
+      heap_[target.heap_at] = c.place;
     }
-    push_or_raise(c.target);
+    push_or_raise(c.place);
   }
 }
 

@@ -9,7 +9,7 @@ namespace rptv {
 Candidates::Candidates(std::size_t max_sources, std::size_t max_targets, std::size_t max_per_source)
     : max_per_source_(max_per_source),
       begin_(max_sources + 1),
-      list_(max_sources * max_per_source),
+      list_(max_sources * max_per_source + kMostVisited),
       demand_(max_targets) {}
 
 void Candidates::find(const CellGrid& grid, const Positions& expected, std::size_t sources) noexcept {
@@ -17,32 +17,32 @@ void Candidates::find(const CellGrid& grid, const Positions& expected, std::size
   std::size_t end = 0;
   for (std::size_t s = 0; s < sources; ++s) {
     begin_[s] = end;
-    end += search(grid, expected.x_mm[s], expected.y_mm[s], expected.z_mm[s], static_cast<std::uint32_t>(s),
-                  list_.data() + end);
-    for (std::size_t k = begin_[s]; k < end; ++k) ++demand_[list_[k].target];
+    end += search(grid, expected, s, list_.data() + end);
+    for (std::size_t k = begin_[s]; k < end; ++k) ++demand_[list_[k].place];
   }
   begin_[sources] = end;
 }
 
-/// Fills `row` by insertion and returns its length. Equal costs keep the grid's order, which starts elsewhere for every
-/// source where particles are crowded: sources at one point then list different particles.
-std::uint32_t Candidates::search(const CellGrid& grid, double x, double y, double z, std::uint32_t source,
-                                 Candidate* row) noexcept {
-  std::size_t length = 0;
-  std::size_t visited = 0;
-  grid.visit_near(x, y, z, source, [&](std::uint32_t target, double cost) noexcept {
-    ++visited;
-    if (length == max_per_source_) {
-      if (cost >= row[length - 1].cost) return visited < kMostVisited;
-      --length;
-    }
-    std::size_t k = length++;
-    for (; k > 0 && row[k - 1].cost > cost; --k) row[k] = row[k - 1];
-    row[k] = {cost, target};
-    return visited < kMostVisited;
-  });
-  if (visited > max_per_source_) ++truncated_;
-  return static_cast<std::uint32_t>(length);
+/// Fills `row` and returns its length. Equal costs keep the grid's order, which begins elsewhere for every source where
+/// particles are crowded: sources at one point then list different particles.
+std::size_t Candidates::search(const CellGrid& grid, const Positions& expected, std::size_t source,
+                               Near* row) noexcept {
+  const std::size_t found =
+      grid.find_near(expected.x_mm[source], expected.y_mm[source], expected.z_mm[source], source, row, kMostVisited);
+  const auto nearer = [](const Near& a, const Near& b) noexcept { return a.cost < b.cost; };
+  std::size_t length = found;
+  if (found > max_per_source_) {
+    ++truncated_;
+    length = max_per_source_;
+    std::nth_element(row, row + length, row + found, nearer);
+  }
+  for (std::size_t i = 1; i < length; ++i) {
+    const Near moved = row[i];
+    std::size_t k = i;
+    for (; k > 0 && nearer(moved, row[k - 1]); --k) row[k] = row[k - 1];
+    row[k] = moved;
+  }
+  return length;
 }
 
 }  // namespace rptv

@@ -12,11 +12,8 @@
 
 namespace rptv {
 
-/// One possible link of a track to `target` (a place in the grid). cost = d² / search_range², 0 … 1.
-struct Candidate {
-  double cost;
-  std::uint32_t target;
-};
+/// A possible link of a track to the particle at `place` in the grid. cost = d² / search_range².
+using Candidate = Near;
 
 /// For every track the nearest `max_per_source` particles within the search range, nearest first. A track that has
 /// more is counted: the assignment is exact for the links listed here. One thread; find() does not allocate.
@@ -38,8 +35,7 @@ class Candidates {
   std::uint64_t truncated() const noexcept { return truncated_; }  ///< searches cut short since construction
 
  private:
-  std::uint32_t search(const CellGrid& grid, double x, double y, double z, std::uint32_t source,
-                       Candidate* row) noexcept;
+  std::size_t search(const CellGrid& grid, const Positions& expected, std::size_t source, Near* row) noexcept;
 
   std::size_t max_per_source_;
   std::vector<std::size_t> begin_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Counting sort of points into cells: measure the box, choose the cells, count, sort.
+// Builds the grid by a counting sort of points into cells: measure the box, choose the cells, count, sort.
 #include "tracking/cell_grid.hpp"
 
 #include <bit>
@@ -16,18 +16,15 @@ constexpr double kHashedCell = 2.0;        // in radii: a ball then meets two ce
 constexpr double kHashedCells = 1U << 31;  // along one axis, around the cloud
 constexpr std::uint64_t kCrowdedCell = 8;  // points that a point shares its cell with, on average
 
-bool finite(double x, double y, double z) noexcept { return std::isfinite(x) && std::isfinite(y) && std::isfinite(z); }
+bool finite(double x, double y, double z) noexcept { return (x - x) + (y - y) + (z - z) == 0; }
 
 }  // namespace
 
 CellGrid::CellGrid(std::size_t max_points)
     : cell_begin_(std::bit_ceil(std::max<std::size_t>(64, static_cast<std::size_t>(kCellsPerPoint) * max_points)) + 2),
       cell_of_point_(max_points),
-      original_(max_points),
       place_(max_points),
-      x_(max_points),
-      y_(max_points),
-      z_(max_points) {}
+      points_(max_points) {}
 
 void CellGrid::build(const double* x, const double* y, const double* z, std::size_t count, double radius) noexcept {
   per_radius_ = 1.0 / radius;
@@ -46,15 +43,16 @@ std::size_t CellGrid::measure(const double* x, const double* y, const double* z,
   constexpr double kHuge = std::numeric_limits<double>::max();
   low_ = {kHuge, kHuge, kHuge};
   high_ = {-kHuge, -kHuge, -kHuge};
-  std::size_t points = 0;
+  std::size_t finite_points = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (!finite(x[i], y[i], z[i])) continue;
-    ++points;
+    ++finite_points;
     low_ = {std::min(low_[0], x[i]), std::min(low_[1], y[i]), std::min(low_[2], z[i])};
     high_ = {std::max(high_[0], x[i]), std::max(high_[1], y[i]), std::max(high_[2], z[i])};
   }
-  if (points == 0) low_ = high_ = {};
-  return points;
+  if (finite_points == 0) low_ = high_ = {};
+  all_finite_ = finite_points == count;
+  return finite_points;
 }
 
 /// Pairs of points in one cell that are not worth hashing: what small cells cannot mend, or few.
@@ -99,12 +97,17 @@ void CellGrid::hash_around(double x, double y, double z) noexcept {
   mask_ = static_cast<std::uint32_t>(cells_ - 1);
 }
 
+std::uint32_t CellGrid::cell_of(double px, double py, double pz) const noexcept {
+  const std::uint32_t cell = row_of(axes_[1].cell(py), axes_[2].cell(pz)) + axes_[0].cell(px);
+  return hashed_ ? cell & mask_ : cell;
+}
+
 /// Returns the number of pairs of points that share a cell.
 std::uint64_t CellGrid::count_cells(const double* x, const double* y, const double* z, std::size_t count) noexcept {
   std::fill_n(cell_begin_.begin(), cells_ + 2, 0U);
   std::uint64_t shared = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!finite(x[i], y[i], z[i])) {
+    if (!all_finite_ && !finite(x[i], y[i], z[i])) {
       cell_of_point_[i] = kNone;
       continue;
     }
@@ -126,10 +129,7 @@ void CellGrid::sort(const double* x, const double* y, const double* z, std::size
     }
     const std::uint32_t place = cell_begin_[cell_of_point_[i] + 1]++;
     place_[i] = place;
-    original_[place] = static_cast<std::uint32_t>(i);
-    x_[place] = x[i];
-    y_[place] = y[i];
-    z_[place] = z[i];
+    points_[place] = {x[i], y[i], z[i], static_cast<std::uint32_t>(i)};
   }
 }
 

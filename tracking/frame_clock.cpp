@@ -17,6 +17,7 @@ const FrameTime& FrameClock::advance(std::uint64_t frame, std::int64_t exposure_
     if (!increases) ++frame_faults_;
     const std::uint64_t frames = increases ? std::min(frame - last_frame_, kMostFrames) : 1;
     now_.frame += frames;
+    now_.frames_since_last = frames;
     if (!believe(exposure_end_ns, static_cast<std::int64_t>(frames))) {
       ++clock_faults_;
       ++now_.epoch;

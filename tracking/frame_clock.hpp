@@ -10,6 +10,7 @@ namespace rptv {
 struct FrameTime {
   std::int64_t ns = 0;
   std::uint64_t frame = 0;
+  std::uint64_t frames_since_last = 0;
   std::uint32_t epoch = 0;  ///< goes up with every clock fault: dt is measured only within one epoch
 };
 

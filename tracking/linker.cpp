@@ -109,6 +109,7 @@ void Linker::next(const Particles& particles, std::uint64_t frame, std::int64_t 
 
 /// A gap in the frame indices may have outlasted memories before this frame's particles are even looked at.
 void Linker::Work::forget_old(const FrameTime& now, Tracks& out) noexcept {
+  if (now.frames_since_last <= 1) return;
   const auto longest = static_cast<std::uint64_t>(settings.memory) + 1;
   const auto first = tracks.begin();
   const auto end =
@@ -128,8 +129,8 @@ void Linker::Work::choose() noexcept {
     const auto row = candidates.of(s);
     if (row.empty())
       assignment.settle(s, Assignment::kNone);
-    else if (candidates.demand(row.front().target) == 1)
-      assignment.settle(s, row.front().target);  // its nearest particle, and no other track can want it
+    else if (candidates.demand(row.front().place) == 1)
+      assignment.settle(s, row.front().place);  // its nearest particle, and no other track can want it
     else
       contested[disputed++] = s;
   }
@@ -187,11 +188,33 @@ void Linker::Work::remember(const FrameTime& now, Tracks& out) noexcept {
   }
 }
 
+/// Whole columns at once, as push() row by row would cost as much as the search; rows beyond the capacity go through
+/// push(), which counts them.
 void Linker::Work::report(const Particles& particles, std::size_t count, Tracks& out) const noexcept {
+  const std::size_t rows = std::min(grid.size(), out.capacity());
+  out.particle.resize(rows);
+  out.age_frames.resize(rows);
+  for (auto* column : {&out.x_mm, &out.y_mm, &out.z_mm, &out.vx_mm_s, &out.vy_mm_s, &out.vz_mm_s, &out.residual_mm})
+    column->resize(rows);
+  std::size_t row = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (grid.place(i) == CellGrid::kNone) continue;
     const TrackState& t = tracks[grid.place(i)];
-    out.push({t.id, t.x_mm, t.y_mm, t.z_mm, t.vx_mm_s, t.vy_mm_s, t.vz_mm_s, particles.residual_mm[i], t.age_frames});
+    if (row == rows) {
+      out.push({t.id, t.x_mm, t.y_mm, t.z_mm, t.vx_mm_s, t.vy_mm_s, t.vz_mm_s, particles.residual_mm[i], t.age_frames});
+      continue;
+    }
+    out.particle[row] = t.id;
+    out.x_mm[row] = particles.x_mm[i];
+    out.y_mm[row] = particles.y_mm[i];
+    out.z_mm[row] = particles.z_mm[i];
+    out.vx_mm_s[row] = t.vx_mm_s;
+    out.vy_mm_s[row] = t.vy_mm_s;
+    out.vz_mm_s[row] = t.vz_mm_s;
+    out.residual_mm[row] = particles.residual_mm[i];
+    out.age_frames[row] = t.age_frames;
+    if (t.age_frames == 0) out.births.push_back(t.id);
+    ++row;
   }
 }
 

@@ -24,13 +24,13 @@ std::uint32_t Subnets::root(std::uint32_t target) noexcept {
 void Subnets::split(const Candidates& candidates, std::span<const std::uint32_t> sources) noexcept {
   for (const std::uint32_t s : sources)
     for (const Candidate& c : candidates.of(s)) {
-      parent_[c.target] = c.target;
-      label_[c.target] = kUnlabelled;
+      parent_[c.place] = c.place;
+      label_[c.place] = kUnlabelled;
     }
   for (const std::uint32_t s : sources) {
-    std::uint32_t joined = root(candidates.of(s).front().target);
+    std::uint32_t joined = root(candidates.of(s).front().place);
     for (const Candidate& c : candidates.of(s).subspan(1)) {
-      const std::uint32_t other = root(c.target);
+      const std::uint32_t other = root(c.place);
       if (other < joined) parent_[joined] = other;
       if (joined < other) parent_[other] = joined;
       joined = std::min(joined, other);
@@ -38,7 +38,7 @@ void Subnets::split(const Candidates& candidates, std::span<const std::uint32_t>
   }
   count_ = 0;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    std::uint32_t& label = label_[root(candidates.of(sources[i]).front().target)];
+    std::uint32_t& label = label_[root(candidates.of(sources[i]).front().place)];
     if (label == kUnlabelled) {
       label = static_cast<std::uint32_t>(count_++);
       begin_[label + 2] = 0;

@@ -41,13 +41,14 @@ void expect_the_same(const Cloud& cloud, double radius) {
     if (!std::isfinite(cloud.x[q] + cloud.y[q] + cloud.z[q])) continue;
     const double qx = cloud.x[q] + 0.4 * radius;
     const double qz = cloud.z[q] - 0.6 * radius;
+    std::vector<Near> near(cloud.x.size());
+    near.resize(grid.find_near(qx, cloud.y[q], qz, q, near.data(), near.size()));
     std::vector<std::uint32_t> found;
-    grid.visit_near(qx, cloud.y[q], qz, q, [&](std::uint32_t place, double cost) {
-      EXPECT_LE(cost, 1);
-      EXPECT_EQ(grid.place(grid.original(place)), place);
-      found.push_back(grid.original(place));
-      return true;
-    });
+    for (const Near& n : near) {
+      EXPECT_LE(n.cost, 1);
+      EXPECT_EQ(grid.place(grid.original(n.place)), n.place);
+      found.push_back(grid.original(n.place));
+    }
     std::sort(found.begin(), found.end());
     ASSERT_EQ(found, near_by_trial(cloud, qx, cloud.y[q], qz, radius)) << "round point " << q;
   }
@@ -100,6 +101,21 @@ TEST(CellGrid, finds_all_points_of_a_lattice_at_every_spacing) {
   }
 }
 
+TEST(CellGrid, finds_all_points_however_large_and_small_the_numbers_are) {
+  std::mt19937_64 random(17);
+  const std::vector<double> sizes{0, 5e-324, 1e-9, 1, 1e9, 1e15, 3e16, 1e200, std::numeric_limits<double>::max() / 2};
+  std::uniform_real_distribution<double> factor(-2, 2);
+  for (int cloud_number = 0; cloud_number < 300; ++cloud_number) {
+    Cloud cloud;
+    const double common = sizes[random() % sizes.size()];
+    const auto coordinate = [&] {
+      return random() % 3 == 0 ? sizes[random() % sizes.size()] * factor(random) : common;
+    };
+    for (int i = 0; i < 40; ++i) cloud.add(coordinate(), coordinate(), coordinate());
+    for (const double radius : {1e-9, 1.0, 1e9}) expect_the_same(cloud, radius);
+  }
+}
+
 TEST(CellGrid, leaves_out_points_that_are_not_finite) {
   Cloud cloud = uniform(50, 3, 1);
   cloud.y[7] = std::numeric_limits<double>::quiet_NaN();
@@ -119,9 +135,8 @@ TEST(CellGrid, answers_queries_from_outside_and_from_nowhere) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
   for (const double q : {50.0, -50.0, 1e300, -1e300, kNan, kInf, -kInf}) {
-    std::size_t found = 0;
-    grid.visit_near(q, 0, 0, 0, [&](std::uint32_t, double) { return ++found > 0; });
-    EXPECT_EQ(found, 0U);
+    Near found;
+    EXPECT_EQ(grid.find_near(q, 0, 0, 0, &found, 1), 0U);
   }
 }
 
@@ -131,12 +146,9 @@ TEST(CellGrid, begins_elsewhere_for_every_query_at_a_crowded_point) {
   CellGrid grid(1000);
   grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 1000, 0.5);
   for (std::size_t q = 0; q < 1000; q += 37) {
-    std::uint32_t first = CellGrid::kNone;
-    grid.visit_near(1, 2, 3, q, [&](std::uint32_t place, double) {
-      first = place;
-      return false;
-    });
-    EXPECT_EQ(first, q);
+    Near first;
+    EXPECT_EQ(grid.find_near(1, 2, 3, q, &first, 1), 1U);
+    EXPECT_EQ(first.place, q);
   }
 }
 
