@@ -77,25 +77,29 @@ TEST(Binary, refuses_bad_images_in_reconstruct) {
   expect_refusal(reconstruct(rig.folder / "absent"), ExitCode::no_input, {"absent"});
 }
 
+Said link_table(const std::string& points, const std::string& tracks) {
+  return run_rapidptv({"link", points, "--search-range", "0.5", "--rate", "100", "-o", tracks});
+}
+
 TEST(Binary, refuses_bad_tables_in_link) {
   const Rig rig;
   const std::string table = rig.folder / "points.csv";
   const auto link = [&](const std::string& text) {
     std::ofstream(table) << text;
-    return run_rapidptv({"link", table, "--search-range", "0.5", "-o", "-"});
+    return link_table(table, "-");
   };
   expect_refusal(link("frame,x,y,z\n0,1,2,3\n1,abc,2,3\n"), ExitCode::bad_data, {"points.csv:3: column 'x' is 'abc'"});
   expect_refusal(link("frame,x,y,z\n0,nan,2,3\n"), ExitCode::bad_data, {"points.csv:2", "not finite"});
   expect_refusal(link("frame;x;y;z\n0;1;2;3\n"), ExitCode::bad_data, {"no column 'frame'", "frame;x;y;z"});
   expect_refusal(link(""), ExitCode::bad_data, {"points.csv: is empty"});
   expect_refusal(link("frame,x,y,z\n2,1,2,3\n1,1,2,3\n"), ExitCode::bad_data, {"points.csv:3", "sort the rows"});
-  expect_refusal(run_rapidptv({"link", rig.folder / "none.csv"}), ExitCode::no_input, {"none.csv"});
+  expect_refusal(link_table(rig.folder / "none.csv", "-"), ExitCode::no_input, {"none.csv"});
 }
 
 TEST(Binary, says_when_the_disk_is_full) {
   const Rig rig;
   std::ofstream(rig.folder / "points.csv") << "frame,x,y,z\n0,1,2,3\n1,1,2,3\n";
-  expect_refusal(run_rapidptv({"link", rig.folder / "points.csv", "-o", "/dev/full"}), ExitCode::io,
+  expect_refusal(link_table(rig.folder / "points.csv", "/dev/full"), ExitCode::io,
                  {"/dev/full", "No space left on device"});
 }
 

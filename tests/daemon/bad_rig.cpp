@@ -38,7 +38,7 @@ Rig::Rig() {
   std::string name = "/tmp/rapidptv-rig-XXXXXX";
   require(mkdtemp(name.data()) != nullptr);
   folder = name;
-  fs::permissions(folder, fs::perms(0755));
+  fs::permissions(folder, fs::perms(0777));
   fs::create_directory(folder / "frames");
   for (int i = 0; i < 5; ++i) write_frame(i, kShape);
   write(calibration(),

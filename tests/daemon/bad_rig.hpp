@@ -14,7 +14,7 @@
 namespace rptv::testing {
 
 /// A folder with five 16-bit frames, a calibration that fits them and a configuration; removed by the destructor.
-/// Every user of the machine may read it.
+/// Every user of the machine may use it.
 class Rig {
  public:
   Rig();
