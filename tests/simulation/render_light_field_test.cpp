@@ -169,8 +169,7 @@ TEST(LightFieldRenderer, centres_white_spots_on_the_apparent_lattice) {
     for (long u = -12; u <= 12; u += 4) {
       const auto spot = renderer.optics().white_spot({u, v});
       if (spot.column < 6 || spot.row < 6 || spot.column > 249 || spot.row > 217) continue;
-      // Light of one spot only: centroid over the apparent cell needs weights on its border pixels; use a symmetric
-      // pair of windows instead – the centroid of rows and columns through the spot is unbiased to a tenth of a pixel.
+      // A window of whole pixels cuts the neighbours unevenly: a quarter of a pixel is what it can tell.
       const auto blob = blob_at(renderer, spot.column, spot.row, 3);
       EXPECT_NEAR(blob.column, spot.column, 0.25);
       EXPECT_NEAR(blob.row, spot.row, 0.25);
