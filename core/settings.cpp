@@ -66,7 +66,10 @@ std::string section_of(const Field& field) {
 std::string toml_lines(const Field& field) {
   const FieldValue value = value_of(field);
   const std::string name = field.path.substr(field.path.rfind('.') + 1);
-  std::string text = "# " + field.doc + "\n#   " + requirement(field) + (field.required ? "; required\n" : "\n");
+  const bool any_text = std::holds_alternative<std::string*>(field.target) && field.choices.empty();
+  const bool evident = any_text || std::holds_alternative<bool*>(field.target);
+  std::string text = "# " + field.doc + (field.required ? " (required)\n" : "\n");
+  if (!evident) text += "#   " + requirement(field) + "\n";
   if (!is_finite(value)) text += "# ";
   return text + name + " = " + toml_literal(value) + "\n";
 }

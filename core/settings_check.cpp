@@ -19,11 +19,17 @@ std::string shortest(Number value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
+/// Bounds of integers are written as integers: they were given as such.
+std::string bound(const Field& field, double value) {
+  const bool whole = field.target.index() == 1 && std::fabs(value) < 9e18;
+  return whole ? shortest(static_cast<std::int64_t>(value)) : shortest(value);
+}
+
 std::string bounds(const Field& field) {
   const bool below = std::isfinite(field.minimum), above = std::isfinite(field.maximum);
-  if (below && above) return " from " + shortest(field.minimum) + " to " + shortest(field.maximum);
-  if (below) return " of at least " + shortest(field.minimum);
-  return above ? " of at most " + shortest(field.maximum) : "";
+  if (below && above) return " from " + bound(field, field.minimum) + " to " + bound(field, field.maximum);
+  if (below) return " of at least " + bound(field, field.minimum);
+  return above ? " of at most " + bound(field, field.maximum) : "";
 }
 
 bool in_bounds(const Field& field, double value) {
