@@ -31,6 +31,14 @@ double threshold_dn(const ScenarioSettings& scenario, const LightFieldOptics& op
   return std::max(0.1 * grey, 6.0 * noise + 1.0);
 }
 
+/// Rms blur of a sub-image per axis, um: diffraction of a square lenslet as far as it is above the threshold, and the
+/// pixel.
+double slope_blur_um(const ScenarioSettings& scenario) {
+  const auto& lenslets = scenario.lenslets;
+  const double zero_um = 1e-3 * lenslets.wavelength_nm * lenslets.focal_length_mm / lenslets.pitch_mm;
+  return std::hypot(lenslets.diffraction ? 0.33 * zero_um : 0.0, scenario.camera.pixel_um / std::sqrt(12.0));
+}
+
 }  // namespace
 
 std::string rig_toml(const ScenarioSettings& scenario) {
@@ -41,16 +49,16 @@ std::string rig_toml(const ScenarioSettings& scenario) {
   const double step_mm = (2 * std::numbers::pi * scenario.flow.frequency_hz * scenario.flow.wall_amplitude_mm +
                           std::hypot(scenario.flow.drift_x_mm_s, scenario.flow.drift_z_mm_s)) /
                          scenario.rate_hz;
-  const double range_mm = std::max(1.5 * step_mm, 0.6 * neighbour_distance_mm(scenario.seeding));
+  const double range_mm = std::max(1.5 * step_mm, 0.9 * neighbour_distance_mm(scenario.seeding));
   return fmt::format(
       "# A configuration for this simulated run: rapidptv run --config rig.toml\n"
       "schema = 1\n\n"
-      "[replay]\npath = \"frames\"\n\n"
+      "[replay]\npath = \"frames\"\npreload = true\n\n"
       "[intake]\npolicy = \"bounded\"\n\n"
       "[light_field]\ncalibration = \"calibration.toml\"\nbackground_image = \"background.png\"\n"
-      "threshold = {:.1f}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = {:.1f}\n\n"
+      "threshold = {:.1f}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = {:.1f}\nslope_blur_um = {:.2f}\n\n"
       "[linker]\nsearch_range_mm = {:.3f}\nmemory = 3\n",
-      threshold_dn(scenario, optics), from, to, scenario.seeding.particle_radius_um, range_mm);
+      threshold_dn(scenario, optics), from, to, scenario.seeding.particle_radius_um, slope_blur_um(scenario), range_mm);
 }
 
 }  // namespace rptv

@@ -24,7 +24,7 @@ struct FlowSettings {
 
 /// Tracers without inertia, uniform in the lit box |x|, |y|, |z| <= volume/2 of object space.
 struct SeedingSettings {
-  std::int64_t particles = 240;      ///< mean number in the lit box
+  std::int64_t particles = 200;      ///< mean number in the lit box
   double particle_radius_um = 15.0;  ///< half the diameter of its image, divided by the magnification
   double volume_x_mm = 7.0, volume_y_mm = 7.0, volume_z_mm = 7.0;
   double photoelectrons = 40000.0;  ///< per particle and frame at z = 0, in the whole image
