@@ -8,8 +8,9 @@ namespace rptv {
 
 Candidates::Candidates(std::size_t max_sources, std::size_t max_targets, std::size_t max_per_source)
     : max_per_source_(max_per_source),
+      most_found_(std::min(max_targets, kMostFound)),
       begin_(max_sources + 1),
-      list_(max_sources * max_per_source + kMostVisited),
+      list_(max_sources * max_per_source + most_found_),
       demand_(max_targets) {}
 
 void Candidates::find(const CellGrid& grid, const Positions& expected, std::size_t sources) noexcept {
@@ -28,7 +29,7 @@ void Candidates::find(const CellGrid& grid, const Positions& expected, std::size
 std::size_t Candidates::search(const CellGrid& grid, const Positions& expected, std::size_t source,
                                Near* row) noexcept {
   const std::size_t found =
-      grid.find_near(expected.x_mm[source], expected.y_mm[source], expected.z_mm[source], source, row, kMostVisited);
+      grid.find_near(expected.x_mm[source], expected.y_mm[source], expected.z_mm[source], source, row, most_found_);
   const auto nearer = [](const Near& a, const Near& b) noexcept { return a.cost < b.cost; };
   std::size_t length = found;
   if (found > max_per_source_) {

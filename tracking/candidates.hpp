@@ -20,7 +20,7 @@ using Candidate = Near;
 class Candidates {
  public:
   /// After this many particles in range a search ends, and counts as truncated.
-  static constexpr std::size_t kMostVisited = 4096;
+  static constexpr std::size_t kMostFound = 4096;
 
   Candidates(std::size_t max_sources, std::size_t max_targets, std::size_t max_per_source);
 
@@ -37,7 +37,7 @@ class Candidates {
  private:
   std::size_t search(const CellGrid& grid, const Positions& expected, std::size_t source, Near* row) noexcept;
 
-  std::size_t max_per_source_;
+  std::size_t max_per_source_, most_found_;
   std::vector<std::size_t> begin_;
   std::vector<Candidate> list_;
   std::vector<std::uint32_t> demand_;

@@ -23,7 +23,9 @@ Positions3 some_positions(int steps, double side_mm, std::size_t most, int dimen
 }
 
 void expect_least_cost(const Positions3& sources, const Positions3& targets, double range) {
-  Session session(settings_for(range));
+  LinkerSettings settings = settings_for(range);
+  settings.max_particles = settings.max_tracks = 8;  // small, as there are tens of thousands of them
+  Session session(settings);
   session.next(sources);
   const auto identities = session.next(targets);
   RC_ASSERT(identities.size() == targets.size());
