@@ -75,7 +75,8 @@ const std::vector<std::int32_t>& Dbscan::label(const VoxelCloud& cloud) noexcept
   return labels_;
 }
 
-std::size_t Dbscan::classify(const VoxelCloud& cloud, std::vector<Candidate>& candidates) noexcept {
+std::size_t Dbscan::classify(const RayCounter& counter, const VoxelCloud& cloud,
+                             std::vector<Candidate>& candidates) noexcept {
   label(cloud);
   centres_.assign(static_cast<std::size_t>(clusters_), Centre{});
   for (std::size_t i = 0; i < labels_.size(); ++i) {
@@ -83,16 +84,13 @@ std::size_t Dbscan::classify(const VoxelCloud& cloud, std::vector<Candidate>& ca
     auto& centre = centres_[static_cast<std::size_t>(labels_[i])];
     const auto& v = cloud.voxels()[i];
     centre.x += v.x, centre.y += v.y, centre.z += v.z, centre.n += 1;
-    centre.count = std::max(centre.count, v.count);
   }
   std::size_t refused = 0;
   for (const auto& centre : centres_) {
     if (candidates.size() == candidates.capacity())
       ++refused;
     else
-      candidates.push_back(candidate_at(grid_, static_cast<float>(centre.x / centre.n),
-                                        static_cast<float>(centre.y / centre.n),
-                                        static_cast<float>(centre.z / centre.n), centre.count));
+      candidates.push_back(candidate_at(counter, centre.x / centre.n, centre.y / centre.n, centre.z / centre.n));
   }
   return refused;
 }

@@ -22,14 +22,13 @@ class Dbscan {
   const std::vector<std::int32_t>& label(const VoxelCloud& cloud) noexcept;
 
   /// Appends the average position of each cluster to `candidates` (up to its capacity); returns how many did not fit.
-  std::size_t classify(const VoxelCloud& cloud, std::vector<Candidate>& candidates) noexcept;
+  std::size_t classify(const RayCounter& counter, const VoxelCloud& cloud, std::vector<Candidate>& candidates) noexcept;
 
   static constexpr std::int32_t kNoise = -1;
 
  private:
   struct Centre {
-    double x, y, z, n;
-    std::uint16_t count;
+    double x = 0, y = 0, z = 0, n = 0;
   };
   std::size_t find_neighbours(const VoxelCloud& cloud, std::size_t voxel) noexcept;
   std::size_t place(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;

@@ -32,8 +32,7 @@ std::size_t classify_local_maxima(const RayCounter& counter, const VoxelCloud& c
     if (candidates.size() == candidates.capacity())
       ++refused;
     else
-      candidates.push_back(candidate_at(counter.grid(), static_cast<float>(v.x), static_cast<float>(v.y),
-                                        static_cast<float>(v.z), v.count));
+      candidates.push_back(candidate_at(counter, v.x, v.y, v.z));
   }
   return refused;
 }

@@ -19,10 +19,9 @@ ExplainAway::ExplainAway(const RayWindow& window, const ExplainOptions& options)
       options_(options),
       fits_(options.threads, ParticleFit(window, options.fit, options.max_rays)),
       taken_(options.max_rays),
-      tentative_(options.max_candidates),
       owner_(options.max_rays),
       owner_distance_(options.max_rays) {
-  heap_.reserve(options.max_candidates);
+  tentative_.reserve(options.max_candidates);
   particles_.reserve(options.max_particles);
 }
 
@@ -37,41 +36,42 @@ bool ExplainAway::acceptable(const FittedParticle& particle) const noexcept {
          particle.at.z <= options_.highest_z_mm;
 }
 
-void ExplainAway::fit_all(const Rays& rays, std::span<const Candidate> candidates) noexcept {
-  const std::size_t blocks = (candidates.size() + kFitBlock - 1) / kFitBlock;
-  parallel_for(blocks, options_.threads, [&](std::size_t block, std::size_t thread) {
-    const std::size_t last = std::min((block + 1) * kFitBlock, candidates.size());
-    for (std::size_t c = block * kFitBlock; c < last; ++c)
-      tentative_[c] = fits_[thread].fit(rays, taken_, {candidates[c].x_mm, candidates[c].y_mm, candidates[c].z_mm});
-  });
+void ExplainAway::queue_up(std::span<const Candidate> candidates) noexcept {
+  tentative_.clear();
+  for (const auto& candidate : candidates) {
+    if (tentative_.size() == tentative_.capacity()) break;
+    Tentative next;
+    next.particle.at = {candidate.x_mm, candidate.y_mm, candidate.z_mm};
+    next.particle.support = candidate.rays;
+    next.number = static_cast<std::uint32_t>(tentative_.size());
+    tentative_.push_back(next);
+  }
+  std::make_heap(tentative_.begin(), tentative_.end());
+}
+
+// Fits again where claims have taken rays since the last fit; false when nothing is left to find here.
+bool ExplainAway::improve(const Rays& rays, Tentative& candidate) noexcept {
+  candidate.particle = fits_[0].fit(rays, taken_, candidate.particle.at);
+  candidate.fitted = true;
+  return acceptable(candidate.particle);
 }
 
 std::size_t ExplainAway::explain(const Rays& rays, std::span<const Candidate> candidates) noexcept {
-  fit_all(rays, candidates);
-  const auto weaker = [&](std::uint32_t a, std::uint32_t b) {
-    return tentative_[a].support != tentative_[b].support ? tentative_[a].support < tentative_[b].support : a > b;
-  };
-  heap_.clear();
-  for (std::uint32_t c = 0; c < candidates.size(); ++c)
-    if (acceptable(tentative_[c])) heap_.push_back(c);
-  std::make_heap(heap_.begin(), heap_.end(), weaker);
+  queue_up(candidates);
   std::size_t accepted = 0;
-  while (!heap_.empty()) {
-    std::pop_heap(heap_.begin(), heap_.end(), weaker);
-    const std::uint32_t best = heap_.back();
-    heap_.pop_back();
-    auto& particle = tentative_[best];
-    // Claims since it was fitted only ever take rays away: if its support stands, it is the strongest there is.
-    const double support = options_.claim ? fits_[0].support_at(rays, taken_, particle.at) : particle.support;
-    if (support >= particle.support) {
-      accepted += accept(rays, particle);
-      continue;
+  while (!tentative_.empty()) {
+    std::pop_heap(tentative_.begin(), tentative_.end());
+    auto& best = tentative_.back();
+    // Claims only ever take rays away: if its support still stands, it is the strongest there is.
+    if (best.fitted &&
+        (!options_.claim || fits_[0].support_at(rays, taken_, best.particle.at) >= best.particle.support)) {
+      accepted += accept(rays, best.particle);
+      tentative_.pop_back();
+    } else if (improve(rays, best)) {
+      std::push_heap(tentative_.begin(), tentative_.end());
+    } else {
+      tentative_.pop_back();
     }
-    if (support < options_.fit.min_support) continue;
-    particle = fits_[0].fit(rays, taken_, particle.at);
-    if (!acceptable(particle)) continue;
-    heap_.push_back(best);
-    std::push_heap(heap_.begin(), heap_.end(), weaker);
   }
   return accepted;
 }

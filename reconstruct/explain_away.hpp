@@ -23,14 +23,14 @@ struct ExplainOptions {
 };
 
 /// begin() once a frame, explain() once a round, settle() once at the end. Nothing allocates after construction; one
-/// thread calls, `threads` fit. The result does not depend on the number of threads.
+/// thread calls, `threads` settle. The result does not depend on the number of threads.
 class ExplainAway {
  public:
   ExplainAway(const RayWindow& window, const ExplainOptions& options);
 
   void begin(const Rays& rays) noexcept;
-  /// Fits all candidates to the free rays, then accepts the one with most support, takes its pixels, and so on while
-  /// any has `min_support`. Returns how many it accepted.
+  /// Accepts the candidate whose fit explains most free rays, takes its pixels, and so on while any has `min_support`.
+  /// Fits are put off until a candidate's turn comes by the rays that pass near it. Returns how many it accepted.
   std::size_t explain(const Rays& rays, std::span<const Candidate> candidates) noexcept;
   /// Gives each pixel to the particle whose ray it fits best and fits again; those left with too little support go.
   void settle(const Rays& rays) noexcept;
@@ -40,8 +40,18 @@ class ExplainAway {
   std::uint64_t refused() const noexcept { return refused_; }  ///< particles beyond the capacity, since begin()
 
  private:
+  struct Tentative {
+    FittedParticle particle;  // before it is fitted: the candidate's position, and its rays as support
+    std::uint32_t number = 0;
+    bool fitted = false;
+    bool operator<(const Tentative& other) const noexcept {
+      return particle.support != other.particle.support ? particle.support < other.particle.support
+                                                        : number > other.number;
+    }
+  };
   bool acceptable(const FittedParticle& particle) const noexcept;
-  void fit_all(const Rays& rays, std::span<const Candidate> candidates) noexcept;
+  void queue_up(std::span<const Candidate> candidates) noexcept;
+  bool improve(const Rays& rays, Tentative& candidate) noexcept;
   bool accept(const Rays& rays, const FittedParticle& particle) noexcept;
   void claim(const Rays& rays, const FittedParticle& particle) noexcept;
   bool known(const FittedParticle& particle) const noexcept;
@@ -53,8 +63,7 @@ class ExplainAway {
   const ExplainOptions options_;
   std::vector<ParticleFit> fits_;  // per thread
   std::vector<std::uint8_t> taken_;
-  std::vector<FittedParticle> tentative_;  // per candidate
-  std::vector<std::uint32_t> heap_;        // candidates by support
+  std::vector<Tentative> tentative_;  // candidates by support: a heap
   std::vector<FittedParticle> particles_;
   std::vector<std::int32_t> owner_;  // particle of each pixel; -1: none
   std::vector<float> owner_distance_;

@@ -115,7 +115,7 @@ void LightField::Stages::find_candidates(bool first_round) noexcept {
   counts.refused_candidates += cloud.collect(counter, min_count);  // eq. (7)
   if (first_round) dense = cloud_is_dense();
   counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                     : dbscan.classify(cloud, candidates);
+                                     : dbscan.classify(counter, cloud, candidates);
   counts.candidates += candidates.size();
 }
 

@@ -14,7 +14,7 @@ void LightFieldSettings::fields(FieldList& list) {
   list.numbers("volume_z_mm", volume_z_mm, 2, -1e4, 1e4, "image space [from, to]; positive towards the main lens");
   list.numbers("voxel_um", voxel_um, 3, 1, 1e6, "voxel edges x, y, z in image space");
   list.number("slope_blur_um", slope_blur_um, 0, 1000,
-              "rms blur of a sub-image on the sensor (diffraction: about 0.33 lambda f/pitch); corrects depths");
+              "rms blur of a sub-image beside the pixel, mended in depths (diffraction: about 0.33 lambda f/pitch)");
   list.number("particle_radius_um", particle_radius_um, 0, 1e5, "in the object; gives C_min by eq. (7)");
   list.integer("min_count", min_count, 0, 65535, "C_min, rays through a voxel; 0: by eq. (7)");
   list.choice("counting", counting, {"coarse", "exhaustive"},
@@ -33,7 +33,8 @@ void LightFieldSettings::fields(FieldList& list) {
   list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
   list.integer("max_rays", max_rays, 1, 100000000, "rays in a frame; more are counted as overflow");
   list.integer("max_candidates", max_candidates, 1, 100000000, "voxels at C_min; more are counted as overflow");
-  list.integer("threads", threads, 0, 1024, "of this stage; 0: as many as the machine has");
+  list.integer("threads", threads, 0, 1024,
+               "of this stage, beside those of the other stages; 0: as many as the machine has");
   list.choice("space", space, {"object", "image"}, "frame of reference of the particles");
 }
 

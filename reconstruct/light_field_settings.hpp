@@ -21,7 +21,8 @@ struct LightFieldSettings {
   std::vector<double> volume_z_mm{-25, 25};  ///< [from, to]; positive is towards the main lens
   std::vector<double> voxel_um{125, 125, 250};
 
-  double slope_blur_um = 0;  ///< rms blur of a sub-image on the sensor, per axis; what it shrinks depths by is put back
+  double slope_blur_um = 0;  ///< rms blur of a sub-image on the sensor, per axis, beside the pixel; what both shrink
+                             ///< depths by is put back
 
   double particle_radius_um = 0;  ///< object space; with the magnification it gives C_min by eq. (7)
   std::int64_t min_count = 0;     ///< C_min itself; 0: by eq. (7)
@@ -30,7 +31,7 @@ struct LightFieldSettings {
   std::string classification = "auto";  ///< "local_maxima", "dbscan", or by density
   double density_limit = 0.002;         ///< auto: fraction of voxels at or above C_min beyond which a cloud is dense
   double dbscan_radius_voxels = 1.75;   ///< eps
-  std::int64_t dbscan_min_points = 1;  ///< 1: every voxel at C_min counts; more: lonely ones are noise
+  std::int64_t dbscan_min_points = 1;   ///< 1: every voxel at C_min counts; more: lonely ones are noise
   std::vector<double> maximum_radius_um{190, 190, 4000};  ///< half-widths of the box that a local maximum rules
 
   bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support
@@ -39,7 +40,7 @@ struct LightFieldSettings {
   std::int64_t max_particles = 4096;
   std::int64_t max_rays = 262144;        ///< lit pixels × hypotheses
   std::int64_t max_candidates = 262144;  ///< voxels at or above C_min
-  std::int64_t threads = 0;              ///< 0: all that the machine has
+  std::int64_t threads = 1;              ///< 0: all that the machine has
   std::string space = "object";          ///< frame of reference of the particles: "object" or "image"
 
   void fields(FieldList& list);

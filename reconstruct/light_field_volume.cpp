@@ -106,14 +106,14 @@ ExplainOptions make_explain_options(const LightFieldSettings& settings, const Li
   const double turn = calibration.lenslets.rotation_deg * std::numbers::pi / 180;
   const double focal_mm = calibration.lenslets.focal_length_mm, pitch_mm = calibration.pitch_mm();
   const double radius_mm = settings.particle_radius_um * 1e-3 * calibration.magnification();
-  const double blur = settings.slope_blur_um * 1e-3 / focal_mm;
+  const double pixel = calibration.pixel_mm() / focal_mm, blur = settings.slope_blur_um * 1e-3 / focal_mm;
   ExplainOptions options;
   options.fit.gate = {std::cos(turn), std::sin(turn),
                       pitch_mm / 2 + (radius_mm > 0 ? std::min(radius_mm, pitch_mm / 2) : kUnknownRadius * pitch_mm),
                       0.5 * calibration.pixel_mm() / focal_mm};
   options.fit.start_margin_mm = 0.75 * std::max(grid.step_x_mm, grid.step_y_mm);
   options.fit.start_depth_mm = grid.step_z_mm;
-  options.fit.slope_variance = blur * blur;
+  options.fit.slope_variance = pixel * pixel / 12 + blur * blur;
   options.fit.pitch_mm = pitch_mm;
   options.fit.min_support = std::max<double>(min_count, 3);
   options.claim = settings.explain_away;

@@ -2,6 +2,8 @@
 // Gated N-ray least squares.
 #include "reconstruct/particle_fit.hpp"
 
+#include <algorithm>
+
 namespace rptv {
 
 namespace {
@@ -35,6 +37,7 @@ FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> 
   ImagePoint at = start;
   for (int step = 0; step < kMostSteps; ++step) {
     const double margin = step < kWideSteps ? options_.start_margin_mm : 0;
+    if (step == kWideSteps) keep_near(at);
     const RaySums sums = sum_within(at, options_.gate.half_width_at(at.z) + margin);
     if (sums.w < options_.min_support) return {};
     const RayFit step_to = solve(sums, options_.slope_variance, at.z);
@@ -45,6 +48,14 @@ FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> 
       break;
   }
   return finish(at);
+}
+
+// Once the point is almost there, rays far from it will not matter any more.
+void ParticleFit::keep_near(const ImagePoint& at) noexcept {
+  const double reach_mm = options_.gate.half_width_at(at.z) + options_.start_margin_mm / 2;
+  const auto far = [&](const Ray& ray) { return options_.gate.distance(offset_of(ray, at)) > reach_mm; };
+  const auto end = std::remove_if(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(near_size_), far);
+  near_size_ = static_cast<std::size_t>(end - near_.begin());
 }
 
 FittedParticle ParticleFit::fit_owned(const Rays& rays, std::span<const std::int32_t> owner, std::int32_t self,

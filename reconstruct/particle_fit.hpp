@@ -48,6 +48,7 @@ class ParticleFit {
 
  private:
   RaySums sum_within(const ImagePoint& at, double half_width_mm) const noexcept;
+  void keep_near(const ImagePoint& at) noexcept;
   FittedParticle finish(const ImagePoint& at) const noexcept;
 
   const RayWindow& window_;

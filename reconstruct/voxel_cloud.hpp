@@ -18,14 +18,11 @@ struct CloudVoxel {
 /// Where a particle may be: image space, mm.
 struct Candidate {
   float x_mm, y_mm, z_mm;
-  std::uint16_t count;  ///< highest counter that it was made from
+  std::uint32_t rays;  ///< through the 3×3 voxels round it on its plane: no fit near it can explain many more
 };
 
-/// Centre of a voxel given by (fractional) numbers.
-inline Candidate candidate_at(const VoxelGrid& grid, float x, float y, float z, std::uint16_t count) noexcept {
-  return {grid.first_x_mm + (x - 1) * grid.step_x_mm, grid.first_y_mm + (y - 1) * grid.step_y_mm,
-          grid.first_z_mm + z * grid.step_z_mm, count};
-}
+/// Candidate at (fractional) voxel numbers.
+Candidate candidate_at(const RayCounter& counter, double x, double y, double z) noexcept;
 
 /// Voxels in raster order (z slowest). Capacity is fixed by the constructor.
 class VoxelCloud {
