@@ -84,7 +84,7 @@ def draw_phase(axes, profile, flow):
     amplitude = np.maximum(profile["amplitude_mm"], 1e-9)
     sigma = np.minimum(2 * profile["amplitude_sigma_mm"] / amplitude, np.pi)
     axes.errorbar(profile["phase_rad"], profile["height_mm"], xerr=sigma, fmt="o", ms=4.5, color=MEASURED, lw=1)
-    axes.set(ylim=(0, 7), xlabel="phase against the wall, rad", ylabel="height above the wall, mm", title="Phase lag")
+    axes.set(xlim=(-8.5 / flow["stokes_layer_mm"], 0.4), ylim=(0, 7), xlabel="phase against the wall, rad", ylabel="height above the wall, mm", title="Phase lag")
     axes.grid(True, lw=0.6)
 
 
@@ -135,7 +135,7 @@ def draw_errors(across, depth, errors):
         for row in rows:
             axes.hist(errors[row], bins=np.linspace(-reach, reach, 101), histtype="stepfilled", alpha=0.5,
                       color=(MEASURED, "#d4a017", THEORY)[row], label=f"{'xyz'[row]}: rms {np.sqrt(np.mean(errors[row]**2)):.0f} µm")
-        axes.set(xlim=(-reach, reach), yticks=[])
+        axes.set(xlim=(-reach, reach), ylim=(0, 1.35 * axes.get_ylim()[1]), yticks=[])
         axes.spines["left"].set_visible(False)
         axes.legend(loc="upper left", fontsize=8.5, handlelength=0.8, borderaxespad=0)
     across.set_title("Error against the truth")
