@@ -16,8 +16,6 @@
 
 namespace rptv {
 
-enum class Taken : std::uint8_t { value, timeout, closed };
-
 /// push: producer thread only. pop: consumer thread only. close, counters: any thread. Nothing allocates after
 /// construction; the only system calls are a sleep when there is nothing to do and a wake-up of a sleeper.
 /// Every value given to push() is taken by pop(), or counted in `losses` once, or still waiting inside.
@@ -36,7 +34,7 @@ class HandOver {
       const Stored stored = store(std::move(value));
       if (stored == Stored::yes) return true;
       if (stored != Stored::no_room || !std::holds_alternative<Lossless>(policy_)) {
-        losses_.count(cause_of(stored));
+        losses_.count(cause_of(stored, bound_cause_));
         return false;
       }
       drained_.wait(seen, kPatienceNs);
@@ -69,7 +67,6 @@ class HandOver {
   std::size_t waiting() const noexcept { return ring_.size() + (mailbox_.fresh() ? 1 : 0); }
 
  private:
-  enum class Stored : std::uint8_t { yes, replaced_older, no_room, closed };
   static constexpr std::int64_t kPatienceNs = 100'000'000;
 
   Stored store(T&& value) noexcept {
@@ -83,10 +80,6 @@ class HandOver {
       return ring_.try_push(std::move(value)) ? Stored::yes : Stored::no_room;
     T replaced{};
     return mailbox_.put(std::move(value), replaced) ? Stored::replaced_older : Stored::yes;
-  }
-  LossCause cause_of(Stored stored) const noexcept {
-    if (stored == Stored::closed) return LossCause::after_close;
-    return stored == Stored::replaced_older ? LossCause::superseded : bound_cause_;
   }
   bool take(T& value) noexcept {
     if (std::holds_alternative<Newest>(policy_)) return mailbox_.take(value);

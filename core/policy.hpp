@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <variant>
+
+#include "core/losses.hpp"
 
 namespace rptv {
 
@@ -25,6 +28,18 @@ inline std::size_t depth_of(const HandOverPolicy& policy) noexcept {
   if (const auto* lossless = std::get_if<Lossless>(&policy)) return std::max<std::size_t>(lossless->depth, 1);
   if (const auto* bounded = std::get_if<Bounded>(&policy)) return std::max<std::size_t>(bounded->depth, 1);
   return 1;
+}
+
+/// What a consumer gets from a hand-over.
+enum class Taken : std::uint8_t { value, timeout, closed };
+
+/// What became of a value that a producer gave to a hand-over.
+enum class Stored : std::uint8_t { yes, replaced_older, no_room, closed };
+
+/// The cause to count for everything but `yes`; `bound_cause` is that of a full queue.
+constexpr LossCause cause_of(Stored stored, LossCause bound_cause) noexcept {
+  if (stored == Stored::closed) return LossCause::after_close;
+  return stored == Stored::replaced_older ? LossCause::superseded : bound_cause;
 }
 
 }  // namespace rptv

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The one binary: parses the command line and runs the chosen command.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <iostream>
 
 #include "daemon/commands/command.hpp"
@@ -14,9 +17,18 @@ void add_commands(CLI::App& app, rptv::Action& chosen) {
     add(app, chosen);
 }
 
+/// OpenMP's workers would spin between frames, on cores that the other stages need. The runtime reads its environment
+/// only while it is loaded, so the process starts once more with the variable set.
+void let_openmp_sleep(char** argv) {
+  if (getenv("OMP_WAIT_POLICY") != nullptr) return;
+  setenv("OMP_WAIT_POLICY", "passive", 1);
+  execv("/proc/self/exe", argv);  // returns only on failure: then it works as well, with spinning workers
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  let_openmp_sleep(argv);
   CLI::App app{"rapidptv: real-time 3D particle tracking", "rapidptv"};
   app.set_version_flag("--version", RPTV_VERSION);
   app.require_subcommand(1);

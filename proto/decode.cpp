@@ -121,6 +121,9 @@ std::string decode(std::span<const std::byte> bytes, WireMessage& message) {
   message.exposure_end_ns = envelope.exposure_end_ns();
   message.clock = static_cast<ClockId>(envelope.clock());
   message.stamps = read_stamps(envelope.stamps());
+  // CLOCK_MONOTONIC is never negative; without negative ones no difference of two stamps can overflow.
+  if (std::any_of(message.stamps.at_ns.begin(), message.stamps.at_ns.end(), [](auto at_ns) { return at_ns < 0; }))
+    return "a stage's time stamp is negative";
   if (!read_column(envelope.births(), message.births) || !read_column(envelope.deaths(), message.deaths))
     return "births or deaths are no whole numbers";
   return read_content(envelope, message);

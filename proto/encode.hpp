@@ -39,8 +39,8 @@ class Encoder {
 };
 
 /// Reads one message's second part. Returns an empty text, or one line that says what is wrong with it (then `message`
-/// is unspecified). Checks the schema, that all columns have one length and that exactly one content is there; numbers
-/// may be NaN. Any thread; allocates.
+/// is unspecified). Checks the schema, that all columns have one length, that stamps are not negative and that exactly
+/// one content is there; numbers may be NaN. Any thread; allocates.
 std::string decode(std::span<const std::byte> bytes, WireMessage& message);
 
 /// 128 random bits as hex digits.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "core/error.hpp"
 #include "daemon/publisher.hpp"
 #include "tests/proto/made_result.hpp"
 #include "tests/proto/place.hpp"

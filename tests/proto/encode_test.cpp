@@ -192,6 +192,16 @@ TEST(Decoder, names_a_newer_schema_and_the_next_step) {
   EXPECT_THAT(decode(bytes, message), ::testing::AllOf(HasSubstr("schema 2"), HasSubstr("update")));
 }
 
+TEST(Decoder, refuses_stamps_whose_differences_would_overflow) {
+  Encoder encoder("session", 8, 8);
+  Result result(8, 8);
+  fill_result(result, 1, 3);
+  Stamps stamps = result.stamps;
+  stamps[Stage::exposure_end] = std::numeric_limits<std::int64_t>::min();
+  WireMessage message;
+  EXPECT_THAT(decode(encoder.tracks(result, stamps), message), HasSubstr("negative"));
+}
+
 TEST(Decoder, refuses_what_somebody_else_publishes) {
   const std::string text = "hello";
   WireMessage message;
