@@ -94,8 +94,7 @@ class HandOver {
   Losses& losses_;
   const LossCause bound_cause_;
   CloseGate gate_;
-  Wake filled_;
-  Wake drained_;
+  Wake filled_, drained_;
 };
 
 }  // namespace rptv
