@@ -31,12 +31,12 @@ double threshold_dn(const ScenarioSettings& scenario, const LightFieldOptics& op
   return std::max(0.1 * grey, 6.0 * noise + 1.0);
 }
 
-/// Rms blur of a sub-image per axis, um: diffraction of a square lenslet as far as it is above the threshold, and the
-/// pixel.
+/// Rms blur of a sub-image per axis, um: diffraction of a square lenslet as far as it is above the threshold. The stage
+/// adds the pixel's own.
 double slope_blur_um(const ScenarioSettings& scenario) {
   const auto& lenslets = scenario.lenslets;
   const double zero_um = 1e-3 * lenslets.wavelength_nm * lenslets.focal_length_mm / lenslets.pitch_mm;
-  return std::hypot(lenslets.diffraction ? 0.33 * zero_um : 0.0, scenario.camera.pixel_um / std::sqrt(12.0));
+  return lenslets.diffraction ? 0.33 * zero_um : 0.0;
 }
 
 }  // namespace
