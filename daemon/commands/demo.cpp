@@ -24,12 +24,14 @@ struct DemoOptions {
   std::filesystem::path out = "demo-out";
   std::int64_t frames = 300;
   double rate_hz = 100;
+  std::int64_t seed = 1;
 };
 
 void simulate(const DemoOptions& options) {
   ScenarioSettings scenario;
   scenario.frames = options.frames;
   scenario.rate_hz = options.rate_hz;
+  scenario.seed = options.seed;
   const SimulatedRunReport run = write_simulated_run(scenario, {.folder = options.out, .threads = 0});
   std::cout << fmt::format("  {:.1f} s; {:.0f} particles a frame, {:.0f} of them fully in view\n", run.elapsed_s,
                            run.particles_per_frame, run.in_view_per_frame);
@@ -116,7 +118,8 @@ void add_demo(CLI::App& app, Action& chosen) {
   command->add_option("--rate", options->rate_hz, "frames per second")
       ->capture_default_str()
       ->check(CLI::Range(20.0, 2000.0));
-  command->footer("Examples:\n  rapidptv demo\n  rapidptv demo --out /tmp/demo --frames 1000");
+  command->add_option("--seed", options->seed, "another seed: other particles, other noise")->capture_default_str();
+  command->footer("Examples:\n  rapidptv demo\n  rapidptv demo --out /tmp/demo --frames 1000 --seed 7");
   command->callback([options, &chosen] { chosen = [options] { return demo(*options); }; });
 }
 

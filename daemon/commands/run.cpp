@@ -33,7 +33,7 @@ Config resolve(const RunOptions& options) {
 }
 
 void write_report(const SessionReport& report, const std::string& file) {
-  std::cerr << to_text(report);
+  if (spdlog::should_log(spdlog::level::info)) std::cerr << to_text(report);
   if (file.empty()) return;
   std::ofstream out(file);
   out << to_json(report) << '\n';
