@@ -54,7 +54,8 @@ std::string rig_toml(const ScenarioSettings& scenario) {
       "# A configuration for this simulated run: rapidptv run --config rig.toml\n"
       "schema = 1\n\n"
       "[replay]\npath = \"frames\"\npreload = true\n\n"
-      "[intake]\npolicy = \"bounded\"\n\n"
+      "[intake]\npolicy = \"bounded\"\ndepth = 32  # a third of a second at 100 Hz: what a busy machine may hold "
+      "frames up\npool_frames = 40\n\n"
       "[light_field]\ncalibration = \"calibration.toml\"\nbackground_image = \"background.png\"\n"
       "threshold = {:.1f}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = {:.1f}\nslope_blur_um = {:.2f}\n\n"
       "[linker]\nsearch_range_mm = {:.3f}\nmemory = 3\n",
