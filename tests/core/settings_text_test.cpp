@@ -5,7 +5,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <random>
 
 #include "core/error.hpp"
@@ -27,6 +26,13 @@ std::string set_complaint(std::string_view assignment) {
     return error.what();
   }
   return "no error";
+}
+
+/// Tells -0 from 0, as == does not.
+std::vector<std::uint64_t> bits_of(const std::vector<double>& values) {
+  std::vector<std::uint64_t> bits;
+  for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
+  return bits;
 }
 
 TEST(SettingsText, are_set_one_by_one_from_a_command_line) {
@@ -92,9 +98,8 @@ TEST(SettingsText, come_back_bit_for_bit_from_their_own_text) {
     ASSERT_EQ(again.memory, rig.memory);
     ASSERT_EQ(again.loop, rig.loop);
     ASSERT_EQ(std::bit_cast<std::uint64_t>(again.rate_hz), std::bit_cast<std::uint64_t>(rig.rate_hz));
-    ASSERT_EQ(again.weights.size(), rig.weights.size());
-    ASSERT_EQ(std::memcmp(again.weights.data(), rig.weights.data(), rig.weights.size() * sizeof(double)), 0);
-    ASSERT_EQ(std::memcmp(again.lens.centre_mm.data(), rig.lens.centre_mm.data(), 2 * sizeof(double)), 0);
+    ASSERT_EQ(bits_of(again.weights), bits_of(rig.weights));
+    ASSERT_EQ(bits_of(again.lens.centre_mm), bits_of(rig.lens.centre_mm));
   }
 }
 
