@@ -4,6 +4,7 @@
 
 #include "calibration/light_field_calibration.hpp"
 #include "core/error.hpp"
+#include "daemon/progress.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/light_field.hpp"
 #include "replay/image_file.hpp"
@@ -11,7 +12,13 @@
 
 namespace rptv {
 
-std::unique_ptr<Source> make_source(const Config& config) { return std::make_unique<ReplaySource>(config.replay); }
+std::unique_ptr<Source> make_source(const Config& config) {
+  std::unique_ptr<Progress> bar;
+  return std::make_unique<ReplaySource>(config.replay, [&bar](std::size_t done, std::size_t total) {
+    if (!bar) bar = std::make_unique<Progress>("decode", total);
+    bar->advance(done - bar->done());
+  });
+}
 
 std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {
   if (cameras.size() != 1)

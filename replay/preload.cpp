@@ -25,7 +25,7 @@ struct Work {
 };
 
 /// Takes images one by one, in order over all cameras, until none is left or one fails.
-void decode_share(Work& work, const Progress* progress) {
+void decode_share(Work& work, const PreloadProgress* progress) {
   std::vector<ImageSequence::Reader> readers(work.cameras.begin(), work.cameras.end());
   try {
     for (std::size_t task = work.next++; task < work.total; task = work.next++) {
@@ -68,7 +68,7 @@ void take_memory(const std::vector<ImageSequence>& cameras, std::int64_t limit_m
 }  // namespace
 
 std::vector<DecodedImages> preload(const std::vector<ImageSequence>& cameras, std::int64_t limit_mb,
-                                   const Progress& progress) {
+                                   const PreloadProgress& progress) {
   std::vector<DecodedImages> decoded;
   take_memory(cameras, limit_mb, decoded);
   Work work{cameras, decoded};

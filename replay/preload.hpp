@@ -12,7 +12,7 @@
 namespace rptv {
 
 /// Called from the constructing thread during long set-up work.
-using Progress = std::function<void(std::size_t done, std::size_t total)>;
+using PreloadProgress = std::function<void(std::size_t done, std::size_t total)>;
 
 /// All images of one camera, one after the other. Read-only after preload(): any thread.
 struct DecodedImages {
@@ -25,6 +25,6 @@ struct DecodedImages {
 /// Decodes every image of every camera on all processors. Throws Error: configuration when they need more than
 /// `limit_mb` (10^6 bytes), unavailable when there is no memory, bad_data naming the file that cannot be decoded.
 std::vector<DecodedImages> preload(const std::vector<ImageSequence>& cameras, std::int64_t limit_mb,
-                                   const Progress& progress);
+                                   const PreloadProgress& progress);
 
 }  // namespace rptv

@@ -32,7 +32,7 @@ std::int64_t first_time_ns(const Timeline& timeline) {
 
 }  // namespace
 
-ReplaySource::ReplaySource(const ReplaySettings& settings, const Progress& progress)
+ReplaySource::ReplaySource(const ReplaySettings& settings, const PreloadProgress& progress)
     : sequences_(open_cameras(settings.path, settings.pattern)) {
   Timeline timeline = make_timeline(settings.path, sequences_, settings.rate_hz, settings.first_index);
   if (timeline.period_ns <= 0 && settings.loop != 1)

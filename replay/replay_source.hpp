@@ -23,7 +23,7 @@ class ReplaySource final : public Source {
  public:
   /// Finds and checks all images, and decodes them if `preload` is set. Throws Error; see open_cameras(),
   /// make_timeline() and preload().
-  explicit ReplaySource(const ReplaySettings& settings, const Progress& progress = {});
+  explicit ReplaySource(const ReplaySettings& settings, const PreloadProgress& progress = {});
   ~ReplaySource() override;
 
   const std::vector<CameraInfo>& cameras() const noexcept override { return cameras_; }

@@ -130,8 +130,9 @@ TEST(LosslessIntake, waits_for_a_silent_camera_once_and_not_at_every_frame) {
   EXPECT_EQ(intake.losses(0).of(LossCause::set_incomplete), 1000U);
 }
 
+// The bound is paid once, in the silence; long enough that no busy machine holds the returned camera up for so long.
 TEST(LosslessIntake, pairs_every_frame_again_once_a_silent_camera_has_returned) {
-  Intake intake(small_cameras(2), lossless(1'000'000));
+  Intake intake(small_cameras(2), lossless(1'000'000'000));
   std::vector<Expected> expected(2);
   std::atomic<bool> silence_is_over{false}, has_returned{false};
   std::thread steady([&] {
