@@ -49,11 +49,12 @@ class SpscRing {
       read_seen_ = read_.load(std::memory_order_acquire);
       if (written - read_seen_ >= capacity_) return false;
     }
+    // Before the stamp, so that whoever sees the consumer's count of this value also sees ours: size() is never
+    // negative. Before the value too, so that nothing stands between the stores of value and stamp: a consumer that
+    // waits for the stamp may take the line away between them.
+    written_.store(written + 1, std::memory_order_relaxed);
     Cell& cell = cells_[written & mask_];
     cell.value = std::move(value);
-    // Before the stamp, so that whoever sees the consumer's count of this value also sees ours: size() is never
-    // negative.
-    written_.store(written + 1, std::memory_order_relaxed);
     cell.stamp.store(written + 1, std::memory_order_release);  // (a) the value is there for whoever sees the stamp
     return true;
   }
@@ -69,8 +70,8 @@ class SpscRing {
     return true;
   }
 
-  /// Any thread. Never too small for the producer, never too large for the consumer, and exact while the other rests;
-  /// for a third thread between 0 and capacity().
+  /// Any thread. Never too small for the producer, and exact while both rest; a value that is just being pushed may
+  /// count before try_pop() finds it. Between 0 and capacity() for everybody.
   std::size_t size() const noexcept {
     const std::uint64_t read = read_.load(std::memory_order_acquire);  // pairs with (b), then (a): written_ >= read
     const std::uint64_t written = written_.load(std::memory_order_relaxed);

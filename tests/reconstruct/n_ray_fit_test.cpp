@@ -54,12 +54,14 @@ TEST(NRayFit, is_the_weighted_least_squares_point) {
       b(2 * i) = root * static_cast<double>(ray.centre_x), b(2 * i + 1) = root * static_cast<double>(ray.centre_y);
     }
     const Eigen::Vector3d expected = a.colPivHouseholderQr().solve(b);
+    Eigen::VectorXd misses = -b;
+    misses.noalias() += a * expected;
     for (const ImagePoint from : {ImagePoint{}, ImagePoint{expected[0] + 0.1, expected[1], expected[2] - 2}}) {
       const RayFit fit = solve(sums_of(rays, from), 0, from.z);
       EXPECT_NEAR(from.x + fit.dx, expected[0], 1e-9);
       EXPECT_NEAR(from.y + fit.dy, expected[1], 1e-9);
       EXPECT_NEAR(from.z + fit.dz, expected[2], 1e-7);
-      EXPECT_NEAR(fit.wrr, (a * expected - b).squaredNorm(), 1e-9);
+      EXPECT_NEAR(fit.wrr, misses.squaredNorm(), 1e-9);
     }
     const Eigen::Matrix3d inverse = (a.transpose() * a).inverse();
     const RayFit fit = solve(sums_of(rays, {}), 0, 0);
