@@ -167,7 +167,8 @@ std::string machine() {
 void bench_ring(std::ostream& out, const RingBenchOptions& options) {
   out << "one producer, one consumer, capacity " << options.capacity << "; medians of " << options.rounds
       << " alternating runs of " << options.items << " values and " << options.round_trips << " round trips\non "
-      << machine() << ", " << std::thread::hardware_concurrency() << " cores; ratio: time over rptv::SpscRing's in the same round\n";
+      << machine() << ", " << std::thread::hardware_concurrency()
+      << " cores; ratio: time over rptv::SpscRing's in the same round\n";
   measure<Small>(out, options);
   measure<CacheLine>(out, options);
 }
