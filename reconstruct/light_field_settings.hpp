@@ -21,8 +21,10 @@ struct LightFieldSettings {
   std::vector<double> volume_z_mm{-25, 25};  ///< [from, to]; positive is towards the main lens
   std::vector<double> voxel_um{125, 125, 250};
 
-  double slope_blur_um = 0;  ///< rms blur of a sub-image on the sensor, per axis, beside the pixel; what both shrink
-                             ///< depths by is put back
+  double wavelength_nm =
+      0;  ///< of the particles' light; with pitch and focal length it gives the lenslets' diffraction
+  double slope_blur_um = 0;  ///< rms blur of a sub-image on the sensor, per axis, beside pixel and diffraction; what
+                             ///< all shrink depths by is put back
 
   double particle_radius_um = 0;  ///< object space; with the magnification it gives C_min by eq. (7)
   std::int64_t min_count = 0;     ///< C_min itself; 0: by eq. (7)
@@ -36,6 +38,13 @@ struct LightFieldSettings {
 
   bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support
   std::int64_t explain_rounds = 3;  ///< how often what is left is counted again
+  bool refine = true;               ///< fit the particles to the grey values themselves (shaking)
+  std::int64_t refine_sweeps = 3;   ///< over all particles, each time
+  std::int64_t refine_rounds = 2;   ///< 1: no look at what is left; more: what no particle explains is searched again
+  double noise_grey = 1;            ///< rms of a dark pixel, grey levels
+  double electrons_per_grey = 4;    ///< gain of the camera: the shot noise of light
+  double ghost_share = 0.1;         ///< particles with less than this share of the median particle's light are ghosts
+
   std::int64_t max_hypotheses = 1;  ///< lenslets that one pixel may belong to where sub-images overlap
   std::int64_t max_particles = 4096;
   std::int64_t max_rays = 262144;        ///< lit pixels × hypotheses

@@ -48,6 +48,11 @@ std::int32_t voxels_in(Range range, double step_mm) {
   return static_cast<std::int32_t>(std::min(std::ceil((range.to - range.from) / step_mm - 1e-9), kMostVoxels));
 }
 
+/// First dark line of a lenslet's diffraction on the sensor, um.
+double diffraction_zero_um(const LightFieldSettings& settings, const LightFieldCalibration& calibration) {
+  return settings.wavelength_nm * 1e-3 * calibration.lenslets.focal_length_mm / calibration.pitch_mm();
+}
+
 }  // namespace
 
 VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
@@ -106,7 +111,10 @@ ExplainOptions make_explain_options(const LightFieldSettings& settings, const Li
   const double turn = calibration.lenslets.rotation_deg * std::numbers::pi / 180;
   const double focal_mm = calibration.lenslets.focal_length_mm, pitch_mm = calibration.pitch_mm();
   const double radius_mm = settings.particle_radius_um * 1e-3 * calibration.magnification();
-  const double pixel = calibration.pixel_mm() / focal_mm, blur = settings.slope_blur_um * 1e-3 / focal_mm;
+  const double pixel = calibration.pixel_mm() / focal_mm;
+  // The part of a square lenslet's diffraction that is brighter than a usual threshold has this rms.
+  const double blur =
+      std::hypot(settings.slope_blur_um, 0.33 * diffraction_zero_um(settings, calibration)) * 1e-3 / focal_mm;
   ExplainOptions options;
   options.fit.gate = {std::cos(turn), std::sin(turn),
                       pitch_mm / 2 + (radius_mm > 0 ? std::min(radius_mm, pitch_mm / 2) : kUnknownRadius * pitch_mm),
@@ -123,6 +131,26 @@ ExplainOptions make_explain_options(const LightFieldSettings& settings, const Li
   options.max_candidates = 4 * options.max_particles;
   options.max_rays = static_cast<std::size_t>(settings.max_rays);
   options.threads = thread_count(settings.threads);
+  return options;
+}
+
+ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                                const ExplainOptions& explain) {
+  const double f_number = calibration.lens.image_f_number, pupil_mm = calibration.lens.exit_pupil_mm;
+  ShakeOptions options;
+  if (f_number > 0) options.model.pupil_radius_mm = 0.5 / f_number * (pupil_mm > 0 ? pupil_mm : 1);
+  options.model.particle_radius_mm = settings.particle_radius_um * 1e-3 * calibration.magnification();
+  options.model.spread_um = settings.slope_blur_um;
+  options.model.diffraction_zero_um = diffraction_zero_um(settings, calibration);
+  options.sweeps = settings.refine_sweeps;
+  options.dark_noise_grey = settings.noise_grey;
+  options.electrons_per_grey = settings.electrons_per_grey;
+  options.lowest_z_mm = explain.lowest_z_mm, options.highest_z_mm = explain.highest_z_mm;
+  // Where the cone of light is less than two lenslets wide.
+  if (f_number > 0) options.shallow_mm = 2 * calibration.pitch_mm() * f_number;
+  options.least_share = settings.ghost_share;
+  options.max_particles = explain.max_particles;
+  options.threads = explain.threads;
   return options;
 }
 

@@ -8,6 +8,7 @@
 #include "reconstruct/explain_away.hpp"
 #include "reconstruct/light_field_settings.hpp"
 #include "reconstruct/ray_count_kernel.hpp"
+#include "reconstruct/shake.hpp"
 
 namespace rptv {
 
@@ -22,5 +23,9 @@ std::uint16_t make_min_count(const LightFieldSettings& settings, const LightFiel
 /// Gates and limits of fitting and explaining away.
 ExplainOptions make_explain_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                                     const VoxelGrid& grid, std::uint16_t min_count);
+
+/// The forward model and the limits of its fit.
+ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                                const ExplainOptions& explain);
 
 }  // namespace rptv

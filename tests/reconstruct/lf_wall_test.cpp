@@ -39,7 +39,9 @@ TEST(LfWall, finds_95_percent_of_the_particles_in_view_with_few_ghosts) {
   settings.threshold = 5;
   settings.particle_radius_um = 15;
   settings.volume_z_mm = {-36, 20};
-  settings.slope_blur_um = 0.33 * 0.532 * 3750 / 125;
+  settings.wavelength_nm = 532;
+  settings.noise_grey = 0.6;
+  settings.electrons_per_grey = 5;
   LightField light_field(settings, calibration, {});
   Particles found(4096);
   std::size_t in_view = 0, hits = 0, ghosts = 0;

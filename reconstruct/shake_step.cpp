@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// The 4×4 systems of shaking, scaled to a unit diagonal.
+#include "reconstruct/shake_step.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace rptv {
+
+namespace {
+
+constexpr double kMostAsideMm = 0.03, kMostDepthMm = 1.5, kMostDepthShare = 0.2;
+
+struct Scaled {
+  Eigen::Matrix4d normal;
+  Eigen::Vector4d scale;  // 1/sqrt(diagonal)
+  bool sound;
+};
+
+Scaled scaled(const ShakeSums& sums) noexcept {
+  Scaled s;
+  for (int row = 0, k = 0; row < 4; ++row)
+    for (int column = row; column < 4; ++column, ++k)
+      s.normal(row, column) = s.normal(column, row) = sums.normal[static_cast<std::size_t>(k)];
+  s.sound = (s.normal.diagonal().array() > 0).all() && s.normal.allFinite();
+  if (!s.sound) return s;
+  s.scale = s.normal.diagonal().array().rsqrt();
+  s.normal = s.scale.asDiagonal() * s.normal * s.scale.asDiagonal();
+  return s;
+}
+
+}  // namespace
+
+bool take_step(const ShakeSums& sums, double damping, FittedParticle& particle) noexcept {
+  Scaled s = scaled(sums);
+  if (!s.sound) return false;
+  s.normal.diagonal().array() += damping + 1e-9;
+  const Eigen::Vector4d pull(sums.pull[0], sums.pull[1], sums.pull[2], sums.pull[3]);
+  Eigen::Vector4d step = s.scale.asDiagonal() * s.normal.ldlt().solve(s.scale.asDiagonal() * pull);
+  if (!step.allFinite()) return false;
+  const double most_depth = kMostDepthMm + kMostDepthShare * std::abs(particle.at.z);
+  const double over = std::max(
+      {1.0, std::abs(step[0]) / kMostAsideMm, std::abs(step[1]) / kMostAsideMm, std::abs(step[2]) / most_depth});
+  step /= over;
+  particle.at = {particle.at.x + step[0], particle.at.y + step[1], particle.at.z + step[2]};
+  particle.light += step[3];
+  return true;
+}
+
+FitCovariance covariance_of(const ShakeSums& sums, double scale, double depth_floor_mm) noexcept {
+  Scaled s = scaled(sums);
+  if (!s.sound) return {1, 0, 0, 1, 0, 1e4};
+  s.normal.diagonal().array() += 1e-9;
+  const Eigen::Matrix4d c =
+      scale * (s.scale.asDiagonal() * s.normal.ldlt().solve(Eigen::Matrix4d(s.scale.asDiagonal())));
+  return {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2) + depth_floor_mm * depth_floor_mm};
+}
+
+}  // namespace rptv
