@@ -35,7 +35,7 @@ void LightFieldSettings::fields(FieldList& list) {
   list.number("noise_grey", noise_grey, 0.01, 1e4, "rms of a dark pixel");
   list.number("electrons_per_grey", electrons_per_grey, 1e-3, 1e6, "gain of the camera: photoelectrons per grey level");
   list.number("ghost_share", ghost_share, 0, 1, "less than this share of the median particle's light is a ghost");
-  list.integer("max_hypotheses", max_hypotheses, 1, 16,
+  list.integer("max_hypotheses", max_hypotheses, 1, 64,
                "lenslets that one pixel may belong to (overlapping sub-images)");
   list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
   list.integer("max_rays", max_rays, 1, 100000000, "rays in a frame; more are counted as overflow");

@@ -43,7 +43,7 @@ struct LightFieldSettings {
   std::int64_t refine_rounds = 2;   ///< 1: no look at what is left; more: what no particle explains is searched again
   double noise_grey = 1;            ///< rms of a dark pixel, grey levels
   double electrons_per_grey = 4;    ///< gain of the camera: the shot noise of light
-  double ghost_share = 0.1;         ///< particles with less than this share of the median particle's light are ghosts
+  double ghost_share = 0.15;        ///< particles with less than this share of the median particle's light are ghosts
 
   std::int64_t max_hypotheses = 1;  ///< lenslets that one pixel may belong to where sub-images overlap
   std::int64_t max_particles = 4096;

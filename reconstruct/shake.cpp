@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "reconstruct/parallel.hpp"
 #include "reconstruct/shake_step.hpp"
@@ -14,7 +15,9 @@ namespace {
 
 constexpr std::size_t kBlockPixels = 64;
 constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
-constexpr double kLeastGain = 30;  // χ² that a particle must explain: four parameters do not get there by noise
+constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
+constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
+constexpr double kLeastGain = 30;   // χ² that a particle must explain: four parameters do not get there by noise
 // What no noise model knows: relative error of a depth, by the lens and by blur that is not in the model.
 constexpr double kDepthFloor = 2e-3;
 
@@ -136,6 +139,8 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
     particle = state.particle;
     particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(worker.now.size) - 4);
     particle.gain = state.sums.gain;
+    particle.seen = std::accumulate(worker.now.value.begin(),
+                                    worker.now.value.begin() + static_cast<std::ptrdiff_t>(worker.now.size), 0.0);
     particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), kDepthFloor * particle.at.z);
   }
   if (worker.model.render(particle.at, worker.now)) paint(worker.now, particle.light);
@@ -173,6 +178,17 @@ void Shake::search_depth(State& state, Worker& worker) const noexcept {
   worker.model.render(state.particle.at, worker.now);
 }
 
+// The same particle twice; or much weaker than a neighbour on the same rays: light of that one which the model puts
+// elsewhere.
+bool Shake::is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept {
+  const double depth = std::abs(weak.at.z - strong.at.z);
+  if (!(weak.light < strong.light) || depth > options_.shallow_mm) return false;
+  if (weak.light > kSatelliteShare * strong.light && depth > kSamePlace * options_.shallow_mm) return false;
+  const ImagePoint on_ray = column_of_.slide(strong.at, weak.at.z);
+  return std::abs(on_ray.x - weak.at.x) < options_.satellite_mm &&
+         std::abs(on_ray.y - weak.at.y) < options_.satellite_mm;
+}
+
 // Light 0 marks a ghost.
 void Shake::mark_ghosts(std::span<FittedParticle> particles) noexcept {
   lights_.clear();
@@ -182,15 +198,16 @@ void Shake::mark_ghosts(std::span<FittedParticle> particles) noexcept {
   const auto middle = lights_.begin() + static_cast<std::ptrdiff_t>(lights_.size() / 2);
   std::nth_element(lights_.begin(), middle, lights_.end());
   const double least = options_.least_share * static_cast<double>(*middle);
-  for (auto& p : particles)
-    if (!(p.light > 0))
-      continue;
-    else if (p.light < least || p.gain < kLeastGain || p.at.z < options_.lowest_z_mm ||
-             p.at.z > options_.highest_z_mm) {
-      Worker& worker = workers_[0];
-      if (worker.model.render(p.at, worker.now)) paint(worker.now, -p.light);
-      p.light = 0;
-    }
+  Worker& worker = workers_[0];
+  for (auto& p : particles) {
+    const bool inside = p.at.z >= options_.lowest_z_mm && p.at.z <= options_.highest_z_mm;
+    const bool real =
+        inside && p.light >= least && p.gain >= kLeastGain && p.seen >= kLeastSeen &&
+        std::none_of(particles.begin(), particles.end(), [&](const auto& q) { return is_satellite(p, q); });
+    if (!(p.light > 0) || real) continue;
+    if (worker.model.render(p.at, worker.now)) paint(worker.now, -p.light);
+    p.light = 0;
+  }
 }
 
 std::size_t Shake::drop_ghosts(std::span<FittedParticle> particles) noexcept {

@@ -21,6 +21,7 @@ struct ShakeOptions {
   double electrons_per_grey = 4;  ///< gain: what makes shot noise of light
   double lowest_z_mm = 0, highest_z_mm = 0;
   double shallow_mm = 0;     ///< |z| below which few lenslets see a particle: its depth is searched, not stepped to
+  double satellite_mm = 0;   ///< aside of a much brighter particle, within the shallow depth: its light, badly modelled
   double least_share = 0.1;  ///< of the median particle's light: below it is a ghost
   std::size_t max_particles = 4096;
   std::size_t max_pixels = 1 << 16;  ///< of one particle's image
@@ -73,6 +74,7 @@ class Shake {
   bool evaluate(State& state, ParticleImage& image, Worker& worker) const noexcept;
   void climb(State& state, Worker& worker, int steps) const noexcept;
   void search_depth(State& state, Worker& worker) const noexcept;
+  bool is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept;
   void mark_ghosts(std::span<FittedParticle> particles) noexcept;
   std::size_t drop_ghosts(std::span<FittedParticle> particles) noexcept;
 
