@@ -14,8 +14,13 @@
 namespace rptv {
 
 namespace {
+constexpr std::size_t kLongestFilter = 12;
 constexpr float kEdgeSigmas = 3.0F;                // how far a blurred border is followed
 constexpr std::size_t kMostPatchPixels = 1 << 14;  // with the room for its blur
+constexpr std::int32_t kWidestPatch = 512;
+// Dark room before and behind a plane, for a filter that reaches out of it.
+constexpr std::size_t kGuard = static_cast<std::size_t>(kWidestPatch) * (kLongestFilter + 1);
+constexpr std::size_t kPlane = kMostPatchPixels + kGuard;
 constexpr std::size_t kMostPatches = 512;
 constexpr std::size_t kMostBoxPixels = 1 << 19;
 constexpr float kFaintest = 1e-3F;  // of the light of a pixel that nothing cuts
@@ -27,7 +32,7 @@ ImageModel::ImageModel(const LightFieldCalibration& calibration, const LensletLa
                        const ImageModelOptions& options)
     : lattice_(lattice),
       options_(options),
-      filter_(diffraction_filter(options.diffraction_zero_um, calibration.sensor.pixel_um)),
+      filter_(diffraction_filter(options.diffraction_zero_um, calibration.sensor.pixel_um, kLongestFilter)),
       width_(static_cast<std::int32_t>(calibration.sensor.width_px)),
       height_(static_cast<std::int32_t>(calibration.sensor.height_px)),
       reach_(static_cast<std::int32_t>(filter_.size()) - 1),
@@ -38,8 +43,8 @@ ImageModel::ImageModel(const LightFieldCalibration& calibration, const LensletLa
       per_pupil_distance_(calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0),
       slope_sigma_(std::hypot(calibration.pixel_mm() / std::sqrt(12.0), options.spread_um * 1e-3) /
                    calibration.lenslets.focal_length_mm),
-      planes_(4 * kMostPatchPixels),
-      line_(kMostPatchPixels),
+      planes_(4 * kPlane + kGuard),
+      line_(kPlane + kGuard),
       place_(kMostBoxPixels) {
   patches_.reserve(kMostPatches);
   if (!(options.pupil_radius_mm > 0))
@@ -47,6 +52,9 @@ ImageModel::ImageModel(const LightFieldCalibration& calibration, const LensletLa
                 "light_field.refine needs the size of the pupil; give lens.image_f_number in the calibration, or set "
                 "light_field.refine = false");
 }
+
+float* ImageModel::plane(std::size_t k) noexcept { return planes_.data() + kGuard + k * kPlane; }
+const float* ImageModel::plane(std::size_t k) const noexcept { return planes_.data() + kGuard + k * kPlane; }
 
 double ImageModel::reach_px(double depth_mm) const noexcept {
   const double far = per_pupil_distance_ > 0 ? 1 / per_pupil_distance_ - std::abs(depth_mm) : 1;
@@ -133,7 +141,13 @@ ImageModel::Patch ImageModel::patch_of(float c_x, float c_y, const Range& range)
   const std::int32_t right = pixel(c_x - focal_mm_ * range.low_x, axis_x_px_);
   const std::int32_t top = pixel(c_y - focal_mm_ * range.high_y, axis_y_px_);
   const std::int32_t bottom = pixel(c_y - focal_mm_ * range.low_y, axis_y_px_);
-  return {left - reach_, top - reach_, right - left + 1 + 2 * reach_, bottom - top + 1 + 2 * reach_};
+  // Whole blocks of lit pixels, and rows of whole blocks: what is too much is dark.
+  const auto blocks = [](std::int32_t pixels) {
+    constexpr auto kBlock = static_cast<std::int32_t>(kPixelBlock);
+    return (pixels + kBlock - 1) / kBlock * kBlock;
+  };
+  const std::int32_t width = blocks(blocks(right - left + 1) + 2 * reach_);
+  return {left - reach_, top - reach_, width, bottom - top + 1 + 2 * reach_};
 }
 
 // False: no room.
@@ -144,10 +158,10 @@ bool ImageModel::add_patch(const ParticleView& view, float c_x, float c_y, const
       patch.row + patch.height <= 0)
     return true;
   if (static_cast<std::size_t>(patch.width) * static_cast<std::size_t>(patch.height) > kMostPatchPixels ||
-      patches_.size() == kMostPatches)
+      patch.width > kWidestPatch || patches_.size() == kMostPatches)
     return false;
   light_up(view, c_x, c_y, patch);
-  for (std::size_t k = 0; k < 4 && reach_ > 0; ++k) blur(planes_.data() + k * kMostPatchPixels, patch);
+  for (std::size_t k = 0; k < 4 && reach_ > 0; ++k) blur(plane(k), patch);
   overlap_ = overlap_ || std::any_of(patches_.begin(), patches_.end(), [&](const Patch& other) {
                return patch.column < other.column + other.width && other.column < patch.column + patch.width &&
                       patch.row < other.row + other.height && other.row < patch.row + patch.height;
@@ -157,24 +171,25 @@ bool ImageModel::add_patch(const ParticleView& view, float c_x, float c_y, const
 }
 
 void ImageModel::light_up(const ParticleView& view, float c_x, float c_y, const Patch& patch) noexcept {
-  float *value = planes_.data(), *dx = value + kMostPatchPixels, *dy = dx + kMostPatchPixels,
-        *dz = dy + kMostPatchPixels;
-  const auto size = static_cast<std::size_t>(patch.width) * static_cast<std::size_t>(patch.height);
-  for (float* plane : {value, dx, dy, dz}) std::fill_n(plane, size, 0.0F);
+  const std::ptrdiff_t size = std::ptrdiff_t{patch.width} * patch.height, rim = std::ptrdiff_t{patch.width} * reach_;
+  for (std::size_t k = 0; k < 4; ++k) std::fill_n(plane(k), size + rim, 0.0F);
   const float per_focal = 1 / focal_mm_, step = pixel_mm_ * per_focal;
+  const float s_x = (c_x - (static_cast<float>(patch.column + reach_) - axis_x_px_) * pixel_mm_) * per_focal;
   for (std::int32_t j = reach_; j < patch.height - reach_; ++j) {
+    const float s_y = (c_y - (static_cast<float>(patch.row + j) - axis_y_px_) * pixel_mm_) * per_focal;
     const std::ptrdiff_t first = std::ptrdiff_t{j} * patch.width + reach_;
-    light_row(view, {c_x, c_y, (c_x - (static_cast<float>(patch.column + reach_) - axis_x_px_) * pixel_mm_) * per_focal,
-                     step, (c_y - (static_cast<float>(patch.row + j) - axis_y_px_) * pixel_mm_) * per_focal,
-                     patch.width - 2 * reach_, value + first, dx + first, dy + first, dz + first});
+    light_row(view, {c_x, c_y, s_x, step, s_y, (patch.width - 2 * reach_) / kPixelBlock * kPixelBlock, plane(0) + first,
+                     plane(1) + first, plane(2) + first, plane(3) + first});
   }
 }
 
 // Along x, then along y. The dark rim keeps what leaves a row from the next, so that the patch is one long line.
 void ImageModel::blur(float* plane, const Patch& patch) noexcept {
   const std::ptrdiff_t count = std::ptrdiff_t{patch.width} * patch.height;
-  filter_line(plane, line_.data(), count, 1, filter_.data(), reach_);
-  filter_line(line_.data(), plane, count, patch.width, filter_.data(), reach_);
+  float* line = line_.data() + kGuard;
+  filter_line(plane, line, count, 1, filter_.data(), reach_);
+  std::fill_n(line + count, std::ptrdiff_t{patch.width} * reach_, 0.0F);
+  filter_line(line, plane, count, patch.width, filter_.data(), reach_);
 }
 
 bool ImageModel::copy_seen(const Patch& patch, float least, ParticleImage& out) const noexcept {
@@ -182,8 +197,7 @@ bool ImageModel::copy_seen(const Patch& patch, float least, ParticleImage& out) 
   const std::int32_t first_y = std::max(patch.row, 0), last_y = std::min(patch.row + patch.height, height_);
   const auto pixels = static_cast<std::size_t>(last_x - first_x) * static_cast<std::size_t>(last_y - first_y);
   if (out.size + pixels > out.value.size()) return false;
-  const float *value = planes_.data(), *dx = value + kMostPatchPixels, *dy = dx + kMostPatchPixels,
-              *dz = dy + kMostPatchPixels;
+  const float *value = plane(0), *dx = plane(1), *dy = plane(2), *dz = plane(3);
   std::size_t to = out.size;
   for (std::int32_t y = first_y; y < last_y; ++y)
     for (std::int32_t x = first_x; x < last_x; ++x) {

@@ -50,6 +50,8 @@ class ImageModel {
   struct Patch {
     std::int32_t column, row, width, height;
   };
+  float* plane(std::size_t k) noexcept;  // 0: light, 1 … 3: its derivatives
+  const float* plane(std::size_t k) const noexcept;
   ParticleView view_of(const ImagePoint& at) const noexcept;
   bool range_of(const ParticleView& view, float c_x, float c_y, Range& range) const noexcept;
   Patch patch_of(float c_x, float c_y, const Range& range) const noexcept;

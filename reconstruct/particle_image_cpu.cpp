@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Written once, compiled for AVX-512, AVX2 and any processor; no fused steps, so the results are the same.
+// Written once, compiled for AVX2 and for any processor; no fused steps, so the results are the same.
 #include "reconstruct/particle_image_cpu.hpp"
 
 namespace rptv {
@@ -20,11 +20,15 @@ namespace {
 [[gnu::always_inline]] inline void filter_line_here(const float* __restrict from, float* __restrict to,
                                                     std::ptrdiff_t count, std::ptrdiff_t step, const float* weights,
                                                     std::ptrdiff_t reach) noexcept {
-  for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = weights[0] * from[i];
-  for (std::ptrdiff_t k = 1; k <= reach; ++k) {
-    const float weight = weights[k];
-    for (std::ptrdiff_t i = 0; i < count - k * step; ++i) to[i] += weight * from[i + k * step];
-    for (std::ptrdiff_t i = k * step; i < count; ++i) to[i] += weight * from[i - k * step];
+  for (std::ptrdiff_t first = 0; first < count; first += kPixelBlock) {
+    float sum[kPixelBlock];
+    for (std::ptrdiff_t i = 0; i < kPixelBlock; ++i) sum[i] = weights[0] * from[first + i];
+    for (std::ptrdiff_t k = 1; k <= reach; ++k) {
+      const float weight = weights[k];
+      const float *before = from + first - k * step, *behind = from + first + k * step;
+      for (std::ptrdiff_t i = 0; i < kPixelBlock; ++i) sum[i] += weight * (before[i] + behind[i]);
+    }
+    for (std::ptrdiff_t i = 0; i < kPixelBlock; ++i) to[first + i] = sum[i];
   }
 }
 
@@ -49,14 +53,10 @@ struct Loops {
 RPTV_LOOPS(any)
 #if defined(__x86_64__)
 RPTV_LOOPS(avx2, [[gnu::target("avx2")]])
-RPTV_LOOPS(avx512, [[gnu::target("avx512f,avx512dq,avx512vl,avx512bw,prefer-vector-width=512")]])
 #endif
 
 Loops best_loops() noexcept {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw"))
-    return {light_row_avx512, filter_line_avx512};
   if (__builtin_cpu_supports("avx2")) return {light_row_avx2, filter_line_avx2};
 #endif
   return {light_row_any, filter_line_any};

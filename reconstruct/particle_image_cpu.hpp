@@ -19,7 +19,11 @@ struct LightRow {
 /// light_at() along a row. The same bits on every processor.
 void light_row(const ParticleView& view, const LightRow& row) noexcept;
 
-/// to[i] = Σ_k weights[|k|]·from[i + k·step], |k| ≤ reach, for i in 0 … count - 1; outside it is dark. Not in place.
+/// Pixels that light_row() and filter_line() work on at a time: counts are multiples of it.
+inline constexpr std::ptrdiff_t kPixelBlock = 8;
+
+/// to[i] = Σ_k weights[|k|]·from[i + k·step], |k| ≤ reach, for i in 0 … count - 1. Reads reach·step values before
+/// `from` and behind its end. Not in place.
 void filter_line(const float* from, float* to, std::ptrdiff_t count, std::ptrdiff_t step, const float* weights,
                  std::ptrdiff_t reach) noexcept;
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kBlockPixels = 64;
 constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
+constexpr double kStillGain = 0.05;  // a step that promises to explain less χ² than this is not worth an image
 constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
 constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
 constexpr double kLeastGain = 30;   // χ² that a particle must explain: four parameters do not get there by noise
@@ -104,6 +105,7 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
   });
   for (std::int64_t sweep = 0; sweep < options_.sweeps; ++sweep) {
     for_each(particles, [&](FittedParticle& p, Worker& worker, std::size_t number) {
+      if (number < first_new && sweep + 1 < options_.sweeps) return;  // they were settled before
       fit(p, worker, sweep == 0 && number >= first_new);
     });
     if (sweep + 2 == options_.sweeps) mark_ghosts(particles);  // their neighbours have the last sweep to recover
@@ -121,38 +123,42 @@ void Shake::introduce(FittedParticle& particle, Worker& worker) noexcept {
   paint(worker.now, particle.light);
 }
 
-bool Shake::evaluate(State& state, ParticleImage& image, Worker& worker) const noexcept {
+bool Shake::render(State& state, ParticleImage& image, Worker& worker) const noexcept {
   if (!worker.model.render(state.particle.at, image)) return false;
+  weigh(state, image, worker);
+  return true;
+}
+
+void Shake::weigh(State& state, const ParticleImage& image, Worker& worker) const noexcept {
   const Seen seen = look(image, worker);
   if (!(state.particle.light > 0)) state.particle.light = std::max(best_light(image, seen).light, 1e-3);
   state.sums = sum_up(image, seen, state.particle.light);
-  return true;
 }
 
 void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept {
   if (!(particle.light > 0) || !worker.model.render(particle.at, worker.now)) return;
   paint(worker.now, -particle.light);
   State state{particle, {}};
-  if (evaluate(state, worker.now, worker)) {
-    climb(state, worker, kStepsAVisit);
-    if (search && std::abs(particle.at.z) < options_.shallow_mm) search_depth(state, worker);
-    particle = state.particle;
-    particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(worker.now.size) - 4);
-    particle.gain = state.sums.gain;
-    particle.seen = std::accumulate(worker.now.value.begin(),
-                                    worker.now.value.begin() + static_cast<std::ptrdiff_t>(worker.now.size), 0.0);
-    particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), kDepthFloor * particle.at.z);
-  }
-  if (worker.model.render(particle.at, worker.now)) paint(worker.now, particle.light);
+  weigh(state, worker.now, worker);
+  climb(state, worker, kStepsAVisit);
+  if (search && std::abs(particle.at.z) < options_.shallow_mm) search_depth(state, worker);
+  const ParticleImage& image = worker.now;
+  particle = state.particle;
+  particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(image.size) - 4);
+  particle.gain = state.sums.gain;
+  particle.seen =
+      std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
+  particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), kDepthFloor * particle.at.z);
+  paint(image, particle.light);
 }
 
 // Levenberg-Marquardt; `worker.now` is the image of the state before and after.
 void Shake::climb(State& state, Worker& worker, int steps) const noexcept {
   double damping = 1e-3;
-  for (int tries = 0, done = 0; done < steps && tries < 3 * steps; ++tries) {
+  for (int tries = 0, done = 0; done < steps && tries < 2 * steps; ++tries) {
     State next = state;
-    if (!take_step(state.sums, damping, next.particle)) return;
-    if (next.particle.light > 0 && evaluate(next, worker.next, worker) && next.sums.gain >= state.sums.gain) {
+    if (!(take_step(state.sums, damping, next.particle) > kStillGain)) return;
+    if (next.particle.light > 0 && render(next, worker.next, worker) && next.sums.gain >= state.sums.gain) {
       state = next;
       std::swap(worker.now, worker.next);
       damping *= 0.2;
@@ -171,7 +177,7 @@ void Shake::search_depth(State& state, Worker& worker) const noexcept {
     State other = first;
     other.particle.at = column_of_.slide(first.particle.at, share * options_.shallow_mm);
     other.particle.light = 0;
-    if (!evaluate(other, worker.now, worker)) continue;
+    if (!render(other, worker.now, worker)) continue;
     climb(other, worker, kStepsOfASearch);
     if (other.sums.gain > state.sums.gain) state = other;
   }

@@ -71,7 +71,8 @@ class Shake {
   void for_each(std::span<FittedParticle> particles, const Visit& visit) noexcept;
   void introduce(FittedParticle& particle, Worker& worker) noexcept;
   void fit(FittedParticle& particle, Worker& worker, bool search) noexcept;
-  bool evaluate(State& state, ParticleImage& image, Worker& worker) const noexcept;
+  bool render(State& state, ParticleImage& image, Worker& worker) const noexcept;
+  void weigh(State& state, const ParticleImage& image, Worker& worker) const noexcept;
   void climb(State& state, Worker& worker, int steps) const noexcept;
   void search_depth(State& state, Worker& worker) const noexcept;
   bool is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept;

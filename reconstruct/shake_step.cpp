@@ -32,20 +32,20 @@ Scaled scaled(const ShakeSums& sums) noexcept {
 
 }  // namespace
 
-bool take_step(const ShakeSums& sums, double damping, FittedParticle& particle) noexcept {
+double take_step(const ShakeSums& sums, double damping, FittedParticle& particle) noexcept {
   Scaled s = scaled(sums);
-  if (!s.sound) return false;
+  if (!s.sound) return 0;
   s.normal.diagonal().array() += damping + 1e-9;
   const Eigen::Vector4d pull(sums.pull[0], sums.pull[1], sums.pull[2], sums.pull[3]);
   Eigen::Vector4d step = s.scale.asDiagonal() * s.normal.ldlt().solve(s.scale.asDiagonal() * pull);
-  if (!step.allFinite()) return false;
+  if (!step.allFinite()) return 0;
   const double most_depth = kMostDepthMm + kMostDepthShare * std::abs(particle.at.z);
   const double over = std::max(
       {1.0, std::abs(step[0]) / kMostAsideMm, std::abs(step[1]) / kMostAsideMm, std::abs(step[2]) / most_depth});
   step /= over;
   particle.at = {particle.at.x + step[0], particle.at.y + step[1], particle.at.z + step[2]};
   particle.light += step[3];
-  return true;
+  return step.dot(pull);
 }
 
 FitCovariance covariance_of(const ShakeSums& sums, double scale, double depth_floor_mm) noexcept {

@@ -8,9 +8,9 @@
 
 namespace rptv {
 
-/// Moves position and light by the Levenberg-Marquardt step (normal + damping·diagonal)⁻¹·pull, bounded. False when the
-/// equations have no solution.
-bool take_step(const ShakeSums& sums, double damping, FittedParticle& particle) noexcept;
+/// Moves position and light by the Levenberg-Marquardt step (normal + damping·diagonal)⁻¹·pull, bounded. Returns what
+/// the linear model promises the step to explain, in χ²; 0 when the equations have no solution.
+double take_step(const ShakeSums& sums, double damping, FittedParticle& particle) noexcept;
 
 /// Covariance of the position with the light unknown: the inverse of the normal matrix times `scale` (χ² per pixel),
 /// and `depth_floor_mm` squared in depth.
