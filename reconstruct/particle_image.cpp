@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "reconstruct/blur_kernel.hpp"
@@ -171,24 +172,32 @@ bool ImageModel::add_patch(const ParticleView& view, float c_x, float c_y, const
 }
 
 void ImageModel::light_up(const ParticleView& view, float c_x, float c_y, const Patch& patch) noexcept {
-  const std::ptrdiff_t size = std::ptrdiff_t{patch.width} * patch.height, rim = std::ptrdiff_t{patch.width} * reach_;
-  for (std::size_t k = 0; k < 4; ++k) std::fill_n(plane(k), size + rim, 0.0F);
+  const std::int32_t lit =
+      (patch.width - 2 * reach_) / static_cast<std::int32_t>(kPixelBlock) * static_cast<std::int32_t>(kPixelBlock);
   const float per_focal = 1 / focal_mm_, step = pixel_mm_ * per_focal;
   const float s_x = (c_x - (static_cast<float>(patch.column + reach_) - axis_x_px_) * pixel_mm_) * per_focal;
   for (std::int32_t j = reach_; j < patch.height - reach_; ++j) {
     const float s_y = (c_y - (static_cast<float>(patch.row + j) - axis_y_px_) * pixel_mm_) * per_focal;
     const std::ptrdiff_t first = std::ptrdiff_t{j} * patch.width + reach_;
-    light_row(view, {c_x, c_y, s_x, step, s_y, (patch.width - 2 * reach_) / kPixelBlock * kPixelBlock, plane(0) + first,
-                     plane(1) + first, plane(2) + first, plane(3) + first});
+    for (std::size_t k = 0; k < 4; ++k) {  // the dark rim beside the row
+      std::fill_n(plane(k) + first - reach_, reach_, 0.0F);
+      std::fill_n(plane(k) + first + lit, patch.width - lit - reach_, 0.0F);
+    }
+    light_row(view,
+              {c_x, c_y, s_x, step, s_y, lit, plane(0) + first, plane(1) + first, plane(2) + first, plane(3) + first});
   }
 }
 
-// Along x, then along y. The dark rim keeps what leaves a row from the next, so that the patch is one long line.
+// Along x, then along y. The dark rim beside a row keeps what leaves it from the next, so that the rows are one line.
 void ImageModel::blur(float* plane, const Patch& patch) noexcept {
-  const std::ptrdiff_t count = std::ptrdiff_t{patch.width} * patch.height;
+  const std::ptrdiff_t rim = std::ptrdiff_t{patch.width} * reach_;
+  const std::ptrdiff_t count = std::ptrdiff_t{patch.width} * patch.height, lit = count - 2 * rim;
+  std::fill_n(plane + rim - reach_, reach_, 0.0F);
+  std::fill_n(plane + count - rim, reach_, 0.0F);
   float* line = line_.data() + kGuard;
-  filter_line(plane, line, count, 1, filter_.data(), reach_);
-  std::fill_n(line + count, std::ptrdiff_t{patch.width} * reach_, 0.0F);
+  filter_line(plane + rim, line + rim, lit, 1, filter_.data(), reach_);
+  std::fill_n(line - rim, 2 * rim, 0.0F);
+  std::fill_n(line + count - rim, 2 * rim, 0.0F);
   filter_line(line, plane, count, patch.width, filter_.data(), reach_);
 }
 
@@ -198,15 +207,20 @@ bool ImageModel::copy_seen(const Patch& patch, float least, ParticleImage& out) 
   const auto pixels = static_cast<std::size_t>(last_x - first_x) * static_cast<std::size_t>(last_y - first_y);
   if (out.size + pixels > out.value.size()) return false;
   const float *value = plane(0), *dx = plane(1), *dy = plane(2), *dz = plane(3);
-  std::size_t to = out.size;
-  for (std::int32_t y = first_y; y < last_y; ++y)
-    for (std::int32_t x = first_x; x < last_x; ++x) {
-      const std::int32_t from = (y - patch.row) * patch.width + x - patch.column;
-      out.pixel[to] = static_cast<std::uint32_t>(y * width_ + x);
-      out.value[to] = value[from], out.dx[to] = dx[from], out.dy[to] = dy[from], out.dz[to] = dz[from];
-      to += value[from] > least;  // what is too faint is written over
-    }
-  out.size = to;
+  for (std::int32_t y = first_y; y < last_y; ++y) {  // from the first to the last pixel of a row that is not too faint
+    const std::int32_t row = (y - patch.row) * patch.width - patch.column;
+    std::int32_t from = first_x, to = last_x;
+    while (from < to && value[row + from] <= least) ++from;
+    while (from < to && value[row + to - 1] <= least) --to;
+    std::iota(out.pixel.begin() + static_cast<std::ptrdiff_t>(out.size),
+              out.pixel.begin() + static_cast<std::ptrdiff_t>(out.size) + (to - from),
+              static_cast<std::uint32_t>(y * width_ + from));
+    std::copy(value + row + from, value + row + to, out.value.data() + out.size);
+    std::copy(dx + row + from, dx + row + to, out.dx.data() + out.size);
+    std::copy(dy + row + from, dy + row + to, out.dy.data() + out.size);
+    std::copy(dz + row + from, dz + row + to, out.dz.data() + out.size);
+    out.size += static_cast<std::size_t>(to - from);
+  }
   return true;
 }
 
