@@ -148,6 +148,8 @@ ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightF
   options.lowest_z_mm = explain.lowest_z_mm, options.highest_z_mm = explain.highest_z_mm;
   // Where the cone of light is less than two lenslets wide.
   if (f_number > 0) options.shallow_mm = 2 * calibration.pitch_mm() * f_number;
+  options.pitch_mm = calibration.pitch_mm();
+  if (f_number > 0) options.slope_rms = 0.25 / f_number;
   options.satellite_mm = calibration.pitch_mm() / 4;
   options.least_share = settings.ghost_share;
   options.max_particles = explain.max_particles;

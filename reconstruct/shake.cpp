@@ -19,8 +19,9 @@ constexpr double kStillGain = 0.05;  // a step that promises to explain less χ�
 constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
 constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
 constexpr double kLeastGain = 30;   // χ² that a particle must explain: four parameters do not get there by noise
-// What no noise model knows: relative error of a depth, by the lens and by blur that is not in the model.
-constexpr double kDepthFloor = 2e-3;
+// What no noise model knows: how well the model's borders between lenslets lie where the real ones are, in pitches.
+// Read off the ray-traced sets; nearer to the array, where the particle's own shape counts, up to three times as much.
+constexpr double kBorderError = 0.008, kBorderErrorShallow = 2;
 
 }  // namespace
 
@@ -148,7 +149,10 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   particle.gain = state.sums.gain;
   particle.seen =
       std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
-  particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), kDepthFloor * particle.at.z);
+  const double depth = particle.at.z / options_.shallow_mm;
+  const double border_mm = options_.pitch_mm * kBorderError * (1 + kBorderErrorShallow / (1 + depth * depth));
+  particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), border_mm, options_.slope_rms,
+                                      column_of_.direction(particle.at));
   paint(image, particle.light);
 }
 

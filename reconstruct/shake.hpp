@@ -20,7 +20,8 @@ struct ShakeOptions {
   double dark_noise_grey = 1;     ///< rms of a pixel without light, grey values
   double electrons_per_grey = 4;  ///< gain: what makes shot noise of light
   double lowest_z_mm = 0, highest_z_mm = 0;
-  double shallow_mm = 0;     ///< |z| below which few lenslets see a particle: its depth is searched, not stepped to
+  double shallow_mm = 0;  ///< |z| below which few lenslets see a particle: its depth is searched, not stepped to
+  double pitch_mm = 0, slope_rms = 0;  ///< of the lenslets; of a particle's rays along an axis
   double satellite_mm = 0;   ///< aside of a much brighter particle, within the shallow depth: its light, badly modelled
   double least_share = 0.1;  ///< of the median particle's light: below it is a ghost
   std::size_t max_particles = 4096;

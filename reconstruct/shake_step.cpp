@@ -48,13 +48,17 @@ double take_step(const ShakeSums& sums, double damping, FittedParticle& particle
   return step.dot(pull);
 }
 
-FitCovariance covariance_of(const ShakeSums& sums, double scale, double depth_floor_mm) noexcept {
+FitCovariance covariance_of(const ShakeSums& sums, double scale, double border_mm, double slope_rms,
+                            const ImagePoint& chief) noexcept {
   Scaled s = scaled(sums);
   if (!s.sound) return {1, 0, 0, 1, 0, 1e4};
   s.normal.diagonal().array() += 1e-9;
   const Eigen::Matrix4d c =
       scale * (s.scale.asDiagonal() * s.normal.ldlt().solve(Eigen::Matrix4d(s.scale.asDiagonal())));
-  return {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2) + depth_floor_mm * depth_floor_mm};
+  const double aside = border_mm * border_mm, depth = aside / (slope_rms * slope_rms);
+  // A wrong depth moves the point along its chief ray.
+  return {c(0, 0) + aside + depth * chief.x * chief.x, c(0, 1) + depth * chief.x * chief.y, c(0, 2) + depth * chief.x,
+          c(1, 1) + aside + depth * chief.y * chief.y, c(1, 2) + depth * chief.y,           c(2, 2) + depth};
 }
 
 }  // namespace rptv

@@ -13,8 +13,10 @@ namespace rptv {
 double take_step(const ShakeSums& sums, double damping, FittedParticle& particle) noexcept;
 
 /// Covariance of the position with the light unknown: the inverse of the normal matrix times `scale` (χ² per pixel),
-/// and `depth_floor_mm` squared in depth.
-FitCovariance covariance_of(const ShakeSums& sums, double scale, double depth_floor_mm) noexcept;
+/// and what an error `border_mm` of the cells' borders on the array makes of it, with rays of rms slope
+/// `slope_rms` round the direction `chief` (x, y per z).
+FitCovariance covariance_of(const ShakeSums& sums, double scale, double border_mm, double slope_rms,
+                            const ImagePoint& chief) noexcept;
 
 /// Chief rays: through the middle of the exit pupil.
 class ChiefRay {
@@ -27,6 +29,11 @@ class ChiefRay {
   /// Column at which the chief ray through a point reaches the sensor, px.
   double operator()(const ImagePoint& at) const noexcept {
     return axis_px_ + at.x / (1 - at.z * per_pupil_distance_) * per_pixel_;
+  }
+  /// Direction of the chief ray through a point: x and y per z.
+  ImagePoint direction(const ImagePoint& at) const noexcept {
+    const double per = -per_pupil_distance_ / (1 - at.z * per_pupil_distance_);
+    return {at.x * per, at.y * per, 1};
   }
   /// The point at depth z on the same chief ray.
   ImagePoint slide(const ImagePoint& at, double z) const noexcept {
