@@ -28,7 +28,9 @@ void LightFieldSettings::fields(FieldList& list) {
                "half-widths x, y, z of the box that a local maximum rules");
   list.flag("explain_away", explain_away, "a ray belongs to one particle only");
   list.integer("explain_rounds", explain_rounds, 1, 16, "how often the rays that are left are counted");
-  list.flag("refine", refine, "fit the particles to the grey values themselves (needs lens.image_f_number)");
+  list.flag(
+      "refine", refine,
+      "fit the particles to the grey values: far more accurate, some 0.5 ms a particle (needs lens.image_f_number)");
   list.integer("refine_sweeps", refine_sweeps, 1, 100, "sweeps of the fit over all particles");
   list.integer("refine_rounds", refine_rounds, 1, 16,
                "1: no search in what is left of the image; more: again and again");

@@ -38,7 +38,7 @@ struct LightFieldSettings {
 
   bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support
   std::int64_t explain_rounds = 3;  ///< how often what is left is counted again
-  bool refine = true;               ///< fit the particles to the grey values themselves (shaking)
+  bool refine = false;              ///< fit the particles to the grey values themselves (shaking)
   std::int64_t refine_sweeps = 3;   ///< over all particles, each time
   std::int64_t refine_rounds = 2;   ///< 1: no look at what is left; more: what no particle explains is searched again
   double noise_grey = 1;            ///< rms of a dark pixel, grey levels
