@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "reconstruct/blur_kernel.hpp"
 #include "reconstruct/particle_image_cpu.hpp"
+#include "reconstruct/particle_image_merge.hpp"
 
 namespace rptv {
 
@@ -226,34 +227,13 @@ bool ImageModel::copy_seen(const Patch& patch, float least, ParticleImage& out) 
 
 // Sub-images that overlap: one entry a pixel.
 bool ImageModel::merge(ParticleImage& image) noexcept {
-  Patch box = patches_[0];  // as corners
+  Patch box = patches_[0];
   std::int32_t right = 0, bottom = 0;
   for (const Patch& patch : patches_) {
     box.column = std::min(box.column, patch.column), right = std::max(right, patch.column + patch.width);
     box.row = std::min(box.row, patch.row), bottom = std::max(bottom, patch.row + patch.height);
   }
-  const std::int32_t width = right - box.column;
-  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(bottom - box.row);
-  if (pixels > place_.size()) return false;
-  std::fill_n(place_.begin(), pixels, 0U);
-  std::size_t to = 0;
-  for (std::size_t i = 0; i < image.size; ++i) {
-    const auto pixel = static_cast<std::int32_t>(image.pixel[i]);
-    auto& place = place_[static_cast<std::size_t>((pixel / width_ - box.row) * width + pixel % width_ - box.column)];
-    if (place == 0) {
-      place = static_cast<std::uint32_t>(to + 1);
-      image.pixel[to] = image.pixel[i];
-      image.value[to] = image.value[i], image.dx[to] = image.dx[i], image.dy[to] = image.dy[i],
-      image.dz[to] = image.dz[i];
-      ++to;
-    } else {
-      const std::size_t at = place - 1;
-      image.value[at] += image.value[i], image.dx[at] += image.dx[i], image.dy[at] += image.dy[i],
-          image.dz[at] += image.dz[i];
-    }
-  }
-  image.size = to;
-  return true;
+  return merge_pixels(image, {box.column, box.row, right - box.column, bottom - box.row, width_}, place_);
 }
 
 }  // namespace rptv
