@@ -112,7 +112,7 @@ bool LightField::Stages::cloud_is_dense() const noexcept {
 
 void LightField::Stages::find_candidates(bool first_round) noexcept {
   candidates.clear();
-  counts.refused_candidates += cloud.collect(counter, min_count);  // eq. (7)
+  counts.refused_candidates += cloud.collect(counter);
   if (first_round) dense = cloud_is_dense();
   counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
                                      : dbscan.classify(counter, cloud, candidates);
@@ -161,7 +161,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   s.counts.lit_pixels = lit, s.counts.rays = s.rays.size, s.counts.candidates = 0, s.counts.rounds = 0;
   s.explain_away.begin(s.rays);
   for (std::int64_t round = 0; round < (s.settings.explain_away ? s.settings.explain_rounds : 1); ++round) {
-    s.counter.count(s.rays, s.explain_away.taken());  // eq. (6)
+    s.counter.count(s.rays, s.explain_away.taken(), s.min_count);  // eq. (6), (7)
     s.find_candidates(round == 0);
     ++s.counts.rounds;
     if (s.explain_away.explain(s.rays, s.candidates) == 0) break;
