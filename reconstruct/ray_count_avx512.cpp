@@ -33,9 +33,8 @@ struct Plane16 {
 
   // voxel_of() for 16 rays.
   RPTV_AVX512 __m512i voxels_of(const Rays16& ray, __m512 z_mm) const noexcept {
-    return _mm512_add_epi32(
-        _mm512_mullo_epi32(nearest_voxels(ray.row, ray.row_slope, z_mm, last_row), stride),
-        nearest_voxels(ray.column, ray.column_slope, z_mm, last_column));
+    return _mm512_add_epi32(_mm512_mullo_epi32(nearest_voxels(ray.row, ray.row_slope, z_mm, last_row), stride),
+                            nearest_voxels(ray.column, ray.column_slope, z_mm, last_column));
   }
 };
 

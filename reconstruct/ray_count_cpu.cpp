@@ -74,8 +74,8 @@ void RayCounter::count_saturating(std::size_t plane, std::uint16_t least) noexce
   std::fill_n(counts, plane_size_, std::uint16_t{0});
   const float z_mm = grid_.z_mm(static_cast<std::int32_t>(plane));
   for (std::size_t i = 0; i < rays_.size; ++i) {
-    auto& counter = counts[voxel_of(
-        grid_, {rays_.column[i], rays_.row[i], rays_.column_slope[i], rays_.row_slope[i]}, z_mm)];
+    auto& counter =
+        counts[voxel_of(grid_, {rays_.column[i], rays_.row[i], rays_.column_slope[i], rays_.row_slope[i]}, z_mm)];
     counter = static_cast<std::uint16_t>(counter + (counter != kMostCount));
   }
   loops_.sum_and_mark(counts, nullptr, plane_size_, least, &marks_[plane * plane_words_]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The ray counter's loops in plain C++, compiled twice: fmaf() is one instruction where the processor has it and a slow,
-// exact call where not.
+// The ray counter's loops in plain C++, compiled twice: fmaf() is one instruction where the processor has it and a
+// slow, exact call where not.
 #include "reconstruct/ray_count_loops.hpp"
 
 #include <algorithm>
@@ -70,19 +70,19 @@ RPTV_INLINE std::uint32_t sum_and_mark(std::uint16_t* counts, const std::uint16_
 }
 
 // The same three functions for one instruction set.
-#define RPTV_LOOPS(SET, TARGET)                                                                                       \
-  TARGET void load_##SET(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,                \
-                         std::span<const std::uint8_t> taken, VoxelRays& out) noexcept {                              \
-    load(grid, rays, pixel, taken, out);                                                                              \
-  }                                                                                                                   \
-  TARGET void find_changes_##SET(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,   \
-                                 std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {      \
-    find_changes(grid, rays, first, last, first_plane, planes, changes);                                              \
-  }                                                                                                                   \
-  TARGET std::uint32_t sum_and_mark_##SET(std::uint16_t* counts, const std::uint16_t* before, std::size_t size,                \
-                                 std::uint16_t least, std::uint64_t* marks) noexcept {                                \
-    return sum_and_mark(counts, before, size, least, marks);                                                                 \
-  }                                                                                                                   \
+#define RPTV_LOOPS(SET, TARGET)                                                                                     \
+  TARGET void load_##SET(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,              \
+                         std::span<const std::uint8_t> taken, VoxelRays& out) noexcept {                            \
+    load(grid, rays, pixel, taken, out);                                                                            \
+  }                                                                                                                 \
+  TARGET void find_changes_##SET(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last, \
+                                 std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {    \
+    find_changes(grid, rays, first, last, first_plane, planes, changes);                                            \
+  }                                                                                                                 \
+  TARGET std::uint32_t sum_and_mark_##SET(std::uint16_t* counts, const std::uint16_t* before, std::size_t size,     \
+                                          std::uint16_t least, std::uint64_t* marks) noexcept {                     \
+    return sum_and_mark(counts, before, size, least, marks);                                                        \
+  }                                                                                                                 \
   constexpr RayCountLoops k_##SET{load_##SET, find_changes_##SET, sum_and_mark_##SET};
 
 RPTV_LOOPS(portable, )

@@ -41,8 +41,8 @@ struct RayCountLoops {
                        std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept;
   /// counts[i] += before[i] modulo 2^16 (unless `before` is null), and bit i of `marks` = counts[i] >= least. Returns
   /// the sum of these `size` counts.
-  std::uint32_t (*sum_and_mark)(std::uint16_t* counts, const std::uint16_t* before, std::size_t size, std::uint16_t least,
-                       std::uint64_t* marks) noexcept;
+  std::uint32_t (*sum_and_mark)(std::uint16_t* counts, const std::uint16_t* before, std::size_t size,
+                                std::uint16_t least, std::uint64_t* marks) noexcept;
 };
 
 /// The loops for `set`, which the processor must have.

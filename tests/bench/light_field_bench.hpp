@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// The tables of rptv_bench_light_field, one function each.
+#pragma once
+
+#include <iosfwd>
+
+namespace rptv::bench {
+
+/// Ray counting in the seed's volumes: the plain loops, the counter that fills the volume, the one that does not.
+void bench_counting(std::ostream& out, int rounds);
+
+}  // namespace rptv::bench

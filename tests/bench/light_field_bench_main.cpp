@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// rptv_bench_light_field [TABLE…] [--rounds=N]: prints the light field's tables, all of them or those named.
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "tests/bench/contest.hpp"
+#include "tests/bench/light_field_bench.hpp"
+
+namespace {
+
+struct Table {
+  const char* name;
+  void (*print)(std::ostream&, int rounds);
+};
+
+constexpr Table kTables[]{{"counting", rptv::bench::bench_counting}};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> wanted;
+  int rounds = 15;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.starts_with("--rounds="))
+      rounds = std::max(1, std::atoi(argument.c_str() + 9));
+    else
+      wanted.push_back(argument);
+  }
+  std::cout << rptv::bench::machine() << "; CPU time of one thread, medians of " << rounds << " alternating runs\n";
+  for (const auto& table : kTables)
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), table.name) != wanted.end())
+      table.print(std::cout, rounds);
+}
