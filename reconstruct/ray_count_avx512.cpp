@@ -38,20 +38,34 @@ struct Plane16 {
   }
 };
 
+RPTV_AVX512 Plane16 plane_of(const VoxelGrid& grid) noexcept {
+  return {_mm512_set1_ps(static_cast<float>(grid.size_x + 1)), _mm512_set1_ps(static_cast<float>(grid.size_y + 1)),
+          _mm512_set1_epi32(grid.stride())};
+}
+
+RPTV_AVX512 Rays16 load16(const VoxelRays& rays, std::size_t i) noexcept {
+  return {_mm512_loadu_ps(rays.column + i), _mm512_loadu_ps(rays.row + i), _mm512_loadu_ps(rays.column_slope + i),
+          _mm512_loadu_ps(rays.row_slope + i)};
+}
+
+struct Depths {
+  std::array<float, VoxelChanges::kPlanes> z_mm;
+  Depths(const VoxelGrid& grid, std::int32_t first_plane, std::size_t planes) noexcept {
+    for (std::size_t p = 0; p < planes; ++p) z_mm[p] = grid.z_mm(first_plane + static_cast<std::int32_t>(p));
+  }
+};
+
 RPTV_AVX512 void find_changes(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
                               std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {
-  const Plane16 plane{_mm512_set1_ps(static_cast<float>(grid.size_x + 1)),
-                      _mm512_set1_ps(static_cast<float>(grid.size_y + 1)), _mm512_set1_epi32(grid.stride())};
-  std::array<float, VoxelChanges::kPlanes> z_mm{};
-  for (std::size_t p = 0; p < planes; ++p) z_mm[p] = grid.z_mm(first_plane + static_cast<std::int32_t>(p));
+  const Plane16 plane = plane_of(grid);
+  const Depths at(grid, first_plane, planes);
   changes.count.fill(0);
   for (std::size_t i = first; i < last; i += VoxelRays::kLanes) {
-    const Rays16 ray{_mm512_loadu_ps(rays.column + i), _mm512_loadu_ps(rays.row + i),
-                     _mm512_loadu_ps(rays.column_slope + i), _mm512_loadu_ps(rays.row_slope + i)};
-    __m512i before = plane.voxels_of(ray, _mm512_set1_ps(z_mm[0]));
+    const Rays16 ray = load16(rays, i);
+    __m512i before = plane.voxels_of(ray, _mm512_set1_ps(at.z_mm[0]));
     _mm512_store_si512(changes.first.data() + (i - first), before);
     for (std::size_t p = 1; p < planes; ++p) {
-      const __m512i now = plane.voxels_of(ray, _mm512_set1_ps(z_mm[p]));
+      const __m512i now = plane.voxels_of(ray, _mm512_set1_ps(at.z_mm[p]));
       const __mmask16 moved = _mm512_cmpneq_epi32_mask(now, before);
       std::size_t& count = changes.count[p];
       _mm512_storeu_si512(changes.from[p].data() + count, _mm512_maskz_compress_epi32(moved, before));
@@ -59,6 +73,17 @@ RPTV_AVX512 void find_changes(const VoxelGrid& grid, const VoxelRays& rays, std:
       count += static_cast<std::size_t>(_mm_popcnt_u32(moved));
       before = now;
     }
+  }
+}
+
+RPTV_AVX512 void find_voxels(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
+                             std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {
+  const Plane16 plane = plane_of(grid);
+  const Depths at(grid, first_plane, planes);
+  for (std::size_t i = first; i < last; i += VoxelRays::kLanes) {
+    const Rays16 ray = load16(rays, i);
+    for (std::size_t p = 0; p < planes; ++p)
+      _mm512_storeu_si512(changes.to[p].data() + (i - first), plane.voxels_of(ray, _mm512_set1_ps(at.z_mm[p])));
   }
 }
 
@@ -95,7 +120,7 @@ RPTV_AVX512 std::uint32_t sum_and_mark(std::uint16_t* counts, const std::uint16_
 }  // namespace
 
 const RayCountLoops* ray_count_loops_avx512() noexcept {
-  static constexpr RayCountLoops kLoops{nullptr, find_changes, sum_and_mark};
+  static constexpr RayCountLoops kLoops{nullptr, find_changes, find_voxels, sum_and_mark};
   return &kLoops;
 }
 

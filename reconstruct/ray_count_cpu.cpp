@@ -41,27 +41,51 @@ void RayCounter::count_group(std::size_t group, VoxelChanges& changes, std::uint
   const std::size_t planes = std::min(VoxelChanges::kPlanes, static_cast<std::size_t>(grid_.planes) - first_plane);
   std::uint16_t* counts = counts_.data() + first_plane * plane_size_;
   std::fill_n(counts, planes * plane_size_, std::uint16_t{0});
+  // Either is right; a move costs two steps, so that beyond half a move a plane it is cheaper to count afresh.
+  const bool by_changes = !(rays_.slope_sum * grid_.step_z_mm > 0.5F * static_cast<float>(rays_.size));
   for (std::size_t first = 0; first < rays_.size; first += VoxelChanges::kRays) {
     const std::size_t last = std::min(first + VoxelChanges::kRays, rays_.size);
-    loops_.find_changes(grid_, rays_, first, last, static_cast<std::int32_t>(first_plane), planes, changes);
-    for (std::size_t i = 0; i < last - first; ++i) ++counts[changes.first[i]];
-    for (std::size_t p = 1; p < planes; ++p) {  // on these planes: differences to the plane before, modulo 2^16
-      std::uint16_t* plane = counts + p * plane_size_;
-      for (std::size_t i = 0; i < changes.count[p]; ++i) --plane[changes.from[p][i]], ++plane[changes.to[p][i]];
-    }
+    const auto plane = static_cast<std::int32_t>(first_plane);
+    (by_changes ? loops_.find_changes : loops_.find_voxels)(grid_, rays_, first, last, plane, planes, changes);
+    by_changes ? add_changes(changes, last - first, planes, counts) : add_voxels(changes, last - first, planes, counts);
   }
-  sum_group(first_plane, planes, least);
+  sum_group(first_plane, planes, least, by_changes);
+}
+
+// After it, planes beyond the first hold differences to the plane before, modulo 2^16.
+void RayCounter::add_changes(const VoxelChanges& changes, std::size_t rays, std::size_t planes,
+                             std::uint16_t* counts) const noexcept {
+  for (std::size_t i = 0; i < rays; ++i) ++counts[changes.first[i]];
+  for (std::size_t p = 1; p < planes; ++p) {
+    counts += plane_size_;
+    for (std::size_t i = 0; i < changes.count[p]; ++i) --counts[changes.from[p][i]], ++counts[changes.to[p][i]];
+  }
+}
+
+// Four planes in turn: neighbouring rays meet in a voxel, and a counter cannot be read again just after it was written.
+void RayCounter::add_voxels(const VoxelChanges& changes, std::size_t rays, std::size_t planes,
+                            std::uint16_t* counts) const noexcept {
+  std::size_t p = 0;
+  for (; p + 4 <= planes; p += 4, counts += 4 * plane_size_) {
+    const auto* to = &changes.to[p];
+    std::uint16_t *second = counts + plane_size_, *third = second + plane_size_, *fourth = third + plane_size_;
+    for (std::size_t i = 0; i < rays; ++i)
+      ++counts[to[0][i]], ++second[to[1][i]], ++third[to[2][i]], ++fourth[to[3][i]];
+  }
+  for (; p < planes; ++p, counts += plane_size_)
+    for (std::size_t i = 0; i < rays; ++i) ++counts[changes.to[p][i]];
 }
 
 // Every ray is in one voxel of each plane, border included: a plane whose counters do not add up has one that wrapped.
-void RayCounter::sum_group(std::size_t first_plane, std::size_t planes, std::uint16_t least) noexcept {
+void RayCounter::sum_group(std::size_t first_plane, std::size_t planes, std::uint16_t least,
+                           bool differences) noexcept {
   std::array<std::size_t, VoxelChanges::kPlanes> sums{};
   std::uint16_t* counts = counts_.data() + first_plane * plane_size_;
   for (std::size_t at = 0; at < plane_size_; at += kSumBlock) {
     const std::size_t size = std::min(kSumBlock, plane_size_ - at);
     for (std::size_t p = 0; p < planes; ++p) {
       std::uint16_t* block = counts + p * plane_size_ + at;
-      sums[p] += loops_.sum_and_mark(block, p == 0 ? nullptr : block - plane_size_, size, least,
+      sums[p] += loops_.sum_and_mark(block, differences && p > 0 ? block - plane_size_ : nullptr, size, least,
                                      &marks_[(first_plane + p) * plane_words_ + at / 64]);
     }
   }

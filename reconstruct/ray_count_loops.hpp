@@ -18,6 +18,7 @@ struct VoxelRays {
   static constexpr std::size_t kLanes = 16;
   float *column, *row, *column_slope, *row_slope;
   std::size_t size;
+  float slope_sum;  ///< of |column_slope| + |row_slope|, voxels per mm
 };
 
 /// What a block of rays does on a group of planes: its voxels on the first plane, and on each further plane the moves
@@ -39,6 +40,9 @@ struct RayCountLoops {
   /// Changes of rays first … last - 1 (at most kRays; `first` a multiple of kLanes) on planes first_plane … + planes.
   void (*find_changes)(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
                        std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept;
+  /// Voxels of rays first … last - 1 on the same planes, all of them: into changes.to[p][0 … last - first - 1].
+  void (*find_voxels)(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
+                      std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept;
   /// counts[i] += before[i] modulo 2^16 (unless `before` is null), and bit i of `marks` = counts[i] >= least. Returns
   /// the sum of these `size` counts.
   std::uint32_t (*sum_and_mark)(std::uint16_t* counts, const std::uint16_t* before, std::size_t size,

@@ -35,13 +35,17 @@ class RayCounter {
 
  private:
   void count_group(std::size_t group, VoxelChanges& changes, std::uint16_t least) noexcept;
-  void sum_group(std::size_t first_plane, std::size_t planes, std::uint16_t least) noexcept;
+  void add_changes(const VoxelChanges& changes, std::size_t rays, std::size_t planes,
+                   std::uint16_t* counts) const noexcept;
+  void add_voxels(const VoxelChanges& changes, std::size_t rays, std::size_t planes,
+                  std::uint16_t* counts) const noexcept;
+  void sum_group(std::size_t first_plane, std::size_t planes, std::uint16_t least, bool differences) noexcept;
   void count_saturating(std::size_t plane, std::uint16_t least) noexcept;
 
   const VoxelGrid grid_;
   const std::size_t plane_size_, plane_words_;
   const RayCountLoops& loops_;
-  VoxelRays rays_;
+  VoxelRays rays_{};
   std::vector<float> ray_memory_;
   std::vector<std::uint16_t> counts_;
   std::vector<std::uint64_t> marks_;

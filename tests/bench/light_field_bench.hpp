@@ -9,4 +9,8 @@ namespace rptv::bench {
 /// Ray counting in the seed's volumes: the plain loops, the counter that fills the volume, the one that does not.
 void bench_counting(std::ostream& out, int rounds);
 
+/// Whole reconstruction, pixels to points with covariance, of 2048x1536 images: painted, and of the shared sets where
+/// RPTV_SHARED_DATA names their folder.
+void bench_frames(std::ostream& out, int rounds);
+
 }  // namespace rptv::bench

@@ -16,7 +16,7 @@ struct Table {
   void (*print)(std::ostream&, int rounds);
 };
 
-constexpr Table kTables[]{{"counting", rptv::bench::bench_counting}};
+constexpr Table kTables[]{{"counting", rptv::bench::bench_counting}, {"frames", rptv::bench::bench_frames}};
 
 }  // namespace
 
