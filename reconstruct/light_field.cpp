@@ -5,11 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "calibration/object_map.hpp"
 #include "core/error.hpp"
 #include "reconstruct/classify_dbscan.hpp"
 #include "reconstruct/classify_local_maxima.hpp"
+#include "reconstruct/coarse_maxima.hpp"
 #include "reconstruct/light_field_volume.hpp"
 #include "reconstruct/lit_pixels.hpp"
 #include "reconstruct/parallel.hpp"
@@ -73,6 +75,7 @@ struct LightField::Stages {
   std::vector<std::uint32_t> lit;
   Rays rays;
   RayCounter counter;
+  std::optional<CoarseMaxima> coarse_maxima;  // or else cloud and dbscan
   VoxelCloud cloud;
   Dbscan dbscan;
   std::vector<Candidate> candidates;
@@ -101,6 +104,7 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
              static_cast<std::size_t>(s.dbscan_min_points)),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
+  if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
   candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
 }
 
@@ -112,10 +116,14 @@ bool LightField::Stages::cloud_is_dense() const noexcept {
 
 void LightField::Stages::find_candidates(bool first_round) noexcept {
   candidates.clear();
-  counts.refused_candidates += cloud.collect(counter);
-  if (first_round) dense = cloud_is_dense();
-  counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                     : dbscan.classify(counter, cloud, candidates);
+  if (coarse_maxima) {
+    counts.refused_candidates += coarse_maxima->find(counter, min_count, candidates);
+  } else {
+    counts.refused_candidates += cloud.collect(counter);
+    if (first_round) dense = cloud_is_dense();
+    counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
+                                       : dbscan.classify(counter, cloud, candidates);
+  }
   counts.candidates += candidates.size();
 }
 
@@ -134,6 +142,10 @@ void LightField::Stages::write(Particles& out) const noexcept {
 
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                        const ImageView& background) {
+  if (settings.counting == "coarse_to_fine" && settings.classification == "dbscan")
+    throw Error(ExitCode::configuration,
+                "light_field.classification = \"dbscan\" needs clouds of voxels, which light_field.counting = "
+                "\"coarse_to_fine\" does not make; choose counting = \"coarse\" or \"exhaustive\"");
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
   stages_ = std::make_unique<Stages>(settings, calibration, background);
 }

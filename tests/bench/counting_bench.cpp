@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Ray counting: oracle loops beside ours, in one run.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iomanip>
 #include <ostream>
 #include <stdexcept>
 
-#include "reconstruct/ray_counter.hpp"
+#include "reconstruct/coarse_maxima.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/bench/timing_case.hpp"
@@ -23,6 +24,25 @@ void check(const RayCounter& counter, const testing::Counts& counts) {
     if (!std::equal(counter.plane(z).begin(), counter.plane(z).end(),
                     counts.begin() + std::ptrdiff_t{z} * counter.grid().plane_size()))
       throw std::runtime_error("the counter differs from its oracle");
+}
+
+// The same volume in planes between which rays drift up to a voxel, as light_field.counting = "coarse_to_fine" has it.
+VoxelGrid coarse_grid(const VoxelGrid& fine, double slope) {
+  VoxelGrid coarse = fine;
+  coarse.planes = static_cast<std::int32_t>(std::ceil(fine.planes * slope));
+  coarse.step_z_mm = static_cast<float>(fine.planes) / static_cast<float>(coarse.planes);
+  coarse.first_z_mm = fine.first_z_mm - 0.5F + coarse.step_z_mm / 2;
+  return coarse;
+}
+
+// Points that have a candidate where the fit looks for them: within 1.5 voxels aside and a plane in depth.
+std::size_t points_with_candidate(const TimingCase& one, const VoxelGrid& grid, const std::vector<Candidate>& found) {
+  return static_cast<std::size_t>(std::count_if(one.points.begin(), one.points.end(), [&](const auto& point) {
+    return std::any_of(found.begin(), found.end(), [&](const Candidate& c) {
+      return std::abs(c.x_mm + 0.5 - point[0]) <= 1.5 && std::abs(c.y_mm + 0.5 - point[1]) <= 1.5 &&
+             std::abs(static_cast<double>(c.z_mm) - point[2]) <= static_cast<double>(grid.step_z_mm);
+    });
+  }));
 }
 
 void bench_one(std::ostream& out, const std::array<std::int32_t, 3>& size, double slope, int rounds) {
@@ -45,11 +65,23 @@ void bench_one(std::ostream& out, const std::array<std::int32_t, 3>& size, doubl
     RayCounter& counter = counters.emplace_back(one.grid, one.rays.capacity(), 1, set);
     contest.add(std::string("full volume, ") + name_of(set), [&] { counter.count(one.rays, {}, kLeast); });
   }
+  const VoxelGrid coarse = coarse_grid(one.grid, slope);
+  RayCounter few(coarse, one.rays.capacity(), 1);
+  CoarseMaxima maxima(coarse, 1);
+  std::vector<Candidate> candidates;
+  candidates.reserve(100'000);
+  contest.add("coarse to fine, candidates from " + std::to_string(coarse.planes) + " planes", [&] {
+    candidates.clear();
+    few.count(one.rays, {}, kLeast);
+    maxima.find(few, kLeast, candidates);
+  });
   contest.run(rounds);
   for (const auto& counter : counters) check(counter, counts);
   const double increments = static_cast<double>(one.rays.size) * one.grid.planes;
   out << "\n  " << size[0] << "x" << size[1] << "x" << size[2] << " voxels, 1e5 rays through 500 points, slopes up to "
-      << slope << " voxels a plane; " << found << " voxels at " << kLeast << " rays\n"
+      << slope << " voxels a plane; " << found << " voxels at " << kLeast
+      << " rays;\n  coarse to fine: " << candidates.size() << " candidates, at "
+      << points_with_candidate(one, coarse, candidates) << " of 500 points\n"
       << std::setw(62) << "median ms" << std::setw(10) << "least ms" << std::setw(14) << "ns/increment" << std::setw(10)
       << "speed-up\n";
   for (std::size_t i = 0; i < contest.size(); ++i)
