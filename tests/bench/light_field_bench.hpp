@@ -9,6 +9,9 @@ namespace rptv::bench {
 /// Ray counting in the seed's volumes: the plain loops, the counter that fills the volume, the one that does not.
 void bench_counting(std::ostream& out, int rounds);
 
+/// The threshold pass over a 2048x1536 image of which 50 000 pixels are lit.
+void bench_lit_pixels(std::ostream& out, int rounds);
+
 /// Whole reconstruction, pixels to points with covariance, of 2048x1536 images: painted, and of the shared sets where
 /// RPTV_SHARED_DATA names their folder.
 void bench_frames(std::ostream& out, int rounds);

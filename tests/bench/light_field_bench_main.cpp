@@ -16,7 +16,9 @@ struct Table {
   void (*print)(std::ostream&, int rounds);
 };
 
-constexpr Table kTables[]{{"counting", rptv::bench::bench_counting}, {"frames", rptv::bench::bench_frames}};
+constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
+                          {"lit_pixels", rptv::bench::bench_lit_pixels},
+                          {"frames", rptv::bench::bench_frames}};
 
 }  // namespace
 
