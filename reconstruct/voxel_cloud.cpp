@@ -20,7 +20,7 @@ Candidate candidate_at(const RayCounter& counter, double x, double y, double z) 
 }
 
 std::size_t VoxelCloud::collect(const RayCounter& counter) noexcept {
-  voxels_.clear();
+  clear();
   const auto& grid = counter.grid();
   std::size_t refused = 0;
   for (std::int32_t z = 0; z < grid.planes; ++z) {
@@ -33,10 +33,7 @@ std::size_t VoxelCloud::collect(const RayCounter& counter) noexcept {
         while (index - row >= grid.stride()) ++y, row += grid.stride();
         const std::int32_t x = index - row;
         if (x < 1 || y < 1 || x > grid.size_x || y > grid.size_y) continue;
-        if (voxels_.size() < voxels_.capacity())
-          voxels_.push_back({x, y, z, counts[index]});
-        else
-          ++refused;
+        refused += !add({x, y, z, counts[index]});
       }
   }
   return refused;

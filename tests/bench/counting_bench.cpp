@@ -93,11 +93,11 @@ void bench_one(std::ostream& out, const std::array<std::int32_t, 3>& size, doubl
 
 }  // namespace
 
-void bench_counting(std::ostream& out, int rounds) {
+void bench_counting(std::ostream& out, const LightFieldBenchOptions& options) {
   out << "\nray counting with clear and threshold, 1 thread; results equal, checked\n";
   for (const double slope : {1.0 / 30, 0.1})  // f/30 lenslets and voxels twice as deep as wide; a steeper case
     for (const auto& size : {std::array<std::int32_t, 3>{400, 200, 150}, std::array<std::int32_t, 3>{40, 120, 401}})
-      bench_one(out, size, slope, rounds);
+      bench_one(out, size, slope, options.rounds);
 }
 
 }  // namespace rptv::bench

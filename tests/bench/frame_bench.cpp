@@ -57,26 +57,26 @@ LightFieldSettings wall_settings() {
 
 }  // namespace
 
-void bench_frames(std::ostream& out, int rounds) {
+void bench_frames(std::ostream& out, const LightFieldBenchOptions& options) {
   out << "\nwhole reconstruction of a 2048x1536 frame\n"
       << "    image                    threads   pixels  particles  rounds    cpu ms   wall ms  least ms     fps  best "
          "fps\n";
   const auto camera = testing::small_camera(2048, 1536);
   testing::PaintedImage painted(camera);
   for (const auto& p : testing::scatter(180, 8, 6, -30, 15, 0.25, 5)) painted.paint(p, 0.0375);
-  bench_one(out, "painted", wall_settings(), camera, painted.view(), rounds);
+  bench_one(out, "painted", wall_settings(), camera, painted.view(), options.rounds);
   const std::string folder = RPTV_SOURCE_DIR "/tests/reconstruct/data/";
   if (const auto wall = testing::shared_set("lf-wall")) {
     const testing::DecodedImage image(*wall / "frame_000.png");
     bench_one(out, "lf-wall frame 0", wall_settings(),
-              read_light_field_calibration(folder + "lf_wall_calibration.toml"), image.view(), rounds);
+              read_light_field_calibration(folder + "lf_wall_calibration.toml"), image.view(), options.rounds);
   }
   if (const auto macro = testing::shared_set("lf-macro")) {
     LightFieldSettings settings;
     settings.threshold = 15, settings.particle_radius_um = 30, settings.volume_z_mm = {-16, 16};
     const testing::DecodedImage image(*macro / "combined.png");
     bench_one(out, "lf-macro combined", settings, read_light_field_calibration(folder + "lf_macro_calibration.toml"),
-              image.view(), rounds);
+              image.view(), options.rounds);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// rptv_bench_light_field [TABLE…] [--rounds=N]: prints the light field's tables, all of them or those named.
+// rptv_bench_light_field [TABLE…] [--rounds=N] [--dump=PREFIX]: prints the light field's tables, all of them or those
+// named.
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
@@ -13,10 +14,11 @@ namespace {
 
 struct Table {
   const char* name;
-  void (*print)(std::ostream&, int rounds);
+  void (*print)(std::ostream&, const rptv::bench::LightFieldBenchOptions&);
 };
 
 constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
+                          {"classification", rptv::bench::bench_classification},
                           {"lit_pixels", rptv::bench::bench_lit_pixels},
                           {"frames", rptv::bench::bench_frames}};
 
@@ -24,16 +26,19 @@ constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
 
 int main(int argc, char** argv) {
   std::vector<std::string> wanted;
-  int rounds = 15;
+  rptv::bench::LightFieldBenchOptions options;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.starts_with("--rounds="))
-      rounds = std::max(1, std::atoi(argument.c_str() + 9));
+      options.rounds = std::max(1, std::atoi(argument.c_str() + 9));
+    else if (argument.starts_with("--dump="))
+      options.dump = argument.substr(7);
     else
       wanted.push_back(argument);
   }
-  std::cout << rptv::bench::machine() << "; CPU time of one thread, medians of " << rounds << " alternating runs\n";
+  std::cout << rptv::bench::machine() << "; CPU time of one thread, medians of " << options.rounds
+            << " alternating runs\n";
   for (const auto& table : kTables)
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), table.name) != wanted.end())
-      table.print(std::cout, rounds);
+      table.print(std::cout, options);
 }

@@ -52,11 +52,11 @@ void bench_one(std::ostream& out, const ImageShape& shape, int rounds) {
 
 }  // namespace
 
-void bench_lit_pixels(std::ostream& out, int rounds) {
+void bench_lit_pixels(std::ostream& out, const LightFieldBenchOptions& options) {
   out << "\nbackground, threshold and list of lit pixels of a 2048x1536 image in one pass; image and 16-bit limits are "
          "read\n";
-  bench_one<std::uint8_t>(out, kShape8, rounds);
-  bench_one<std::uint16_t>(out, kShape16, rounds);
+  bench_one<std::uint8_t>(out, kShape8, options.rounds);
+  bench_one<std::uint16_t>(out, kShape16, options.rounds);
 }
 
 }  // namespace rptv::bench
