@@ -24,6 +24,10 @@ std::uint64_t bits_of(const std::uint8_t* row, std::int32_t first, std::int32_t 
   return eight_bytes >> (first % 8) & ((std::uint64_t{1} << size) - 1);
 }
 
+void set_bit(std::uint8_t* row, std::int32_t bit) noexcept {
+  row[bit / 8] = static_cast<std::uint8_t>(row[bit / 8] | 1U << (bit % 8));
+}
+
 }  // namespace
 
 Dbscan::Dbscan(const VoxelGrid& grid, std::size_t max_voxels, double radius_voxels, std::size_t min_points)
@@ -36,17 +40,15 @@ Dbscan::Dbscan(const VoxelGrid& grid, std::size_t max_voxels, double radius_voxe
       if (const double left = radius_voxels * radius_voxels - dy * dy - dz * dz; left >= 0)
         ball_.push_back({dy, dz, static_cast<std::int32_t>(std::floor(std::sqrt(left)))});
   const auto rows = static_cast<std::size_t>(grid.size_y) * static_cast<std::size_t>(grid.planes);
-  bits_.resize(rows * row_bytes_);
+  near_.reserve(ball_.size() + 1);
   cloud_row_at_.resize(rows);
   rows_.reserve(std::min(rows, max_voxels));
+  bits_.resize(rows_.capacity() * row_bytes_);
+  if (min_points > 1) core_bits_.resize(bits_.size());
   runs_.reserve(max_voxels);
   core_.reserve(max_voxels);
   labels_.reserve(max_voxels);
   centres_.reserve(max_voxels);
-}
-
-bool Dbscan::has_row(std::int32_t y, std::int32_t z) const noexcept {
-  return y >= 1 && z >= 0 && y <= grid_.size_y && z < grid_.planes;
 }
 
 std::size_t Dbscan::row_number(std::int32_t y, std::int32_t z) const noexcept {
@@ -57,34 +59,37 @@ void Dbscan::split_into_rows(const std::vector<CloudVoxel>& voxels) noexcept {
   rows_.clear();
   for (std::size_t first = 0, last = 0; first < voxels.size(); first = last) {
     const std::int32_t y = voxels[first].y, z = voxels[first].z;
-    std::uint8_t* bits = &bits_[row_number(y, z) * row_bytes_];
-    for (; last < voxels.size() && voxels[last].y == y && voxels[last].z == z; ++last) {
-      const std::int32_t bit = voxels[last].x + kMargin;
-      bits[bit / 8] = static_cast<std::uint8_t>(bits[bit / 8] | 1U << (bit % 8));
-    }
-    rows_.push_back({y, z, first, last, 0, 0});
+    std::uint8_t* bits = &bits_[rows_.size() * row_bytes_];
+    std::fill_n(bits, row_bytes_, std::uint8_t{0});
+    for (; last < voxels.size() && voxels[last].y == y && voxels[last].z == z; ++last)
+      set_bit(bits, voxels[last].x + kMargin);
+    rows_.push_back({y, z, first, last, 0, 0, true});
     cloud_row_at_[row_number(y, z)] = static_cast<std::uint32_t>(rows_.size());
   }
 }
 
+// In the order of ball_: those before the row itself first.
+void Dbscan::find_near_rows(const CloudRow& row, const std::vector<std::uint8_t>& bits) noexcept {
+  near_.clear();
+  for (const auto& [dy, dz, reach] : ball_) {
+    const std::int32_t y = row.y + dy, z = row.z + dz;
+    if (y < 1 || z < 0 || y > grid_.size_y || z >= grid_.planes) continue;
+    const std::uint32_t number = cloud_row_at_[row_number(y, z)];
+    if (number == 0) continue;
+    const CloudRow& other = rows_[number - 1];
+    near_.push_back({bits.data() + (number - 1) * row_bytes_, other.first_run, other.last_run, reach});
+  }
+}
+
 void Dbscan::find_cores(const std::vector<CloudVoxel>& voxels, const CloudRow& row) noexcept {
-  struct Near {
-    const std::uint8_t* bits;
-    std::int32_t reach;
-  };
-  std::array<Near, (2 * kMargin + 1) * (2 * kMargin + 1)> near;
-  std::size_t rows = 0;
-  for (const auto& [dy, dz, reach] : ball_)
-    if (has_row(row.y + dy, row.z + dz) && cloud_row_at_[row_number(row.y + dy, row.z + dz)] != 0)
-      near[rows++] = {&bits_[row_number(row.y + dy, row.z + dz) * row_bytes_], reach};
   for (std::size_t i = row.first; i < row.last; ++i) {
     std::uint64_t packed = 0;
     std::int32_t used = 0;
     std::size_t count = 0;
-    for (std::size_t k = 0; k < rows; ++k) {
-      const std::int32_t size = 2 * near[k].reach + 1;
+    for (const NearRow& near : near_) {
+      const std::int32_t size = 2 * near.reach + 1;
       if (used + size > 64) count += static_cast<std::size_t>(std::popcount(std::exchange(packed, 0))), used = 0;
-      packed |= bits_of(near[k].bits, voxels[i].x + kMargin - near[k].reach, size) << used;
+      packed |= bits_of(near.bits, voxels[i].x + kMargin - near.reach, size) << used;
       used += size;
     }
     core_[i] = count + static_cast<std::size_t>(std::popcount(packed)) >= min_points_;
@@ -94,7 +99,10 @@ void Dbscan::find_cores(const std::vector<CloudVoxel>& voxels, const CloudRow& r
 void Dbscan::find_runs(const std::vector<CloudVoxel>& voxels, CloudRow& row) noexcept {
   row.first_run = runs_.size();
   for (std::size_t i = row.first; i < row.last; ++i) {
-    if (core_[i] == 0) continue;
+    if (core_[i] == 0) {
+      row.all_cores = false;
+      continue;
+    }
     const std::int32_t x = voxels[i].x;
     if (runs_.size() > row.first_run && runs_.back().last_x == x - 1)
       runs_.back().last_x = x;
@@ -102,6 +110,11 @@ void Dbscan::find_runs(const std::vector<CloudVoxel>& voxels, CloudRow& row) noe
       runs_.push_back({x, x, static_cast<std::uint32_t>(runs_.size()), 0});
   }
   row.last_run = runs_.size();
+  if (core_bits_.empty()) return;
+  std::uint8_t* bits = &core_bits_[static_cast<std::size_t>(&row - rows_.data()) * row_bytes_];
+  std::fill_n(bits, row_bytes_, std::uint8_t{0});
+  for (std::size_t i = row.first; i < row.last; ++i)
+    if (core_[i] != 0) set_bit(bits, voxels[i].x + kMargin);
 }
 
 std::uint32_t Dbscan::root_of(std::uint32_t run) noexcept {
@@ -114,17 +127,14 @@ void Dbscan::join(std::uint32_t one, std::uint32_t other) noexcept {
   runs_[std::max(a, b)].parent = std::min(a, b);
 }
 
-// With the runs of this row and of rows before it: two lists by rising x, walked side by side.
+// With the runs of this row and of rows before it (the others have none yet): two lists by rising x, side by side.
 void Dbscan::join_runs(const CloudRow& row) noexcept {
-  for (const auto& [dy, dz, reach] : ball_) {
-    if (dz > 0 || (dz == 0 && dy > 0) || !has_row(row.y + dy, row.z + dz)) continue;
-    const std::uint32_t number = cloud_row_at_[row_number(row.y + dy, row.z + dz)];
-    if (number == 0) continue;
-    const CloudRow& other = rows_[number - 1];
-    std::size_t next = other.first_run;
+  near_.push_back({nullptr, row.first_run, row.last_run, ball_[ball_.size() / 2].reach});
+  for (const NearRow& near : near_) {
+    std::size_t next = near.run;
     for (std::size_t run = row.first_run; run < row.last_run; ++run) {
-      while (next < other.last_run && runs_[next].last_x + reach < runs_[run].first_x) ++next;
-      for (std::size_t k = next; k < other.last_run && runs_[k].first_x <= runs_[run].last_x + reach; ++k)
+      while (next < near.last_run && runs_[next].last_x + near.reach < runs_[run].first_x) ++next;
+      for (std::size_t k = next; k < near.last_run && runs_[k].first_x <= runs_[run].last_x + near.reach; ++k)
         join(static_cast<std::uint32_t>(run), static_cast<std::uint32_t>(k));
     }
   }
@@ -141,7 +151,6 @@ void Dbscan::number_clusters() noexcept {
 void Dbscan::label_cores(const std::vector<CloudVoxel>& voxels, const CloudRow& row) noexcept {
   std::size_t run = row.first_run;
   for (std::size_t i = row.first; i < row.last; ++i) {
-    labels_[i] = kUnseen;
     if (core_[i] == 0) continue;
     while (runs_[run].last_x < voxels[i].x) ++run;
     labels_[i] = runs_[run].cluster;
@@ -150,21 +159,18 @@ void Dbscan::label_cores(const std::vector<CloudVoxel>& voxels, const CloudRow& 
 
 // Clusters grow one after the other, so that the first to reach a voxel is the one with the lowest number.
 void Dbscan::label_borders(const std::vector<CloudVoxel>& voxels, const CloudRow& row) noexcept {
-  for (const auto& [dy, dz, reach] : ball_) {
-    if (!has_row(row.y + dy, row.z + dz)) continue;
-    const std::uint32_t number = cloud_row_at_[row_number(row.y + dy, row.z + dz)];
-    if (number == 0) continue;
-    const CloudRow& other = rows_[number - 1];
-    std::size_t next = other.first_run;
-    for (std::size_t i = row.first; i < row.last; ++i) {
-      if (core_[i] != 0) continue;
-      while (next < other.last_run && runs_[next].last_x + reach < voxels[i].x) ++next;
-      for (std::size_t k = next; k < other.last_run && runs_[k].first_x <= voxels[i].x + reach; ++k)
-        labels_[i] = std::min(labels_[i], runs_[k].cluster);
+  for (std::size_t i = row.first; i < row.last; ++i) {
+    if (core_[i] != 0) continue;
+    std::int32_t label = kUnseen;
+    const std::int32_t x = voxels[i].x;
+    for (NearRow& near : near_) {
+      if (bits_of(near.bits, x + kMargin - near.reach, 2 * near.reach + 1) == 0) continue;
+      while (runs_[near.run].last_x + near.reach < x) ++near.run;
+      for (std::size_t k = near.run; k < near.last_run && runs_[k].first_x <= x + near.reach; ++k)
+        label = std::min(label, runs_[k].cluster);
     }
+    labels_[i] = label == kUnseen ? kNoise : label;
   }
-  for (std::size_t i = row.first; i < row.last; ++i)
-    if (labels_[i] == kUnseen) labels_[i] = kNoise;
 }
 
 const std::vector<std::int32_t>& Dbscan::label(const VoxelCloud& cloud) noexcept {
@@ -174,6 +180,7 @@ const std::vector<std::int32_t>& Dbscan::label(const VoxelCloud& cloud) noexcept
   runs_.clear();
   split_into_rows(voxels);
   for (auto& row : rows_) {
+    find_near_rows(row, bits_);
     if (min_points_ > 1) find_cores(voxels, row);
     find_runs(voxels, row);
     join_runs(row);
@@ -181,12 +188,11 @@ const std::vector<std::int32_t>& Dbscan::label(const VoxelCloud& cloud) noexcept
   number_clusters();
   for (const auto& row : rows_) {
     label_cores(voxels, row);
+    if (row.all_cores) continue;
+    find_near_rows(row, core_bits_);
     label_borders(voxels, row);
   }
-  for (const auto& row : rows_) {  // for the next frame
-    cloud_row_at_[row_number(row.y, row.z)] = 0;
-    std::fill_n(&bits_[row_number(row.y, row.z) * row_bytes_], row_bytes_, std::uint8_t{0});
-  }
+  for (const auto& row : rows_) cloud_row_at_[row_number(row.y, row.z)] = 0;  // for the next frame
   return labels_;
 }
 

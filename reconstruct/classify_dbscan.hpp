@@ -45,11 +45,19 @@ class Dbscan {
   struct CloudRow {
     std::int32_t y, z;
     std::size_t first, last, first_run, last_run;
+    bool all_cores;
+  };
+
+  /// A row of the cloud within the ball round another one.
+  struct NearRow {
+    const std::uint8_t* bits;
+    std::size_t run, last_run;
+    std::int32_t reach;
   };
 
   std::size_t row_number(std::int32_t y, std::int32_t z) const noexcept;
-  bool has_row(std::int32_t y, std::int32_t z) const noexcept;
   void split_into_rows(const std::vector<CloudVoxel>& voxels) noexcept;
+  void find_near_rows(const CloudRow& row, const std::vector<std::uint8_t>& bits) noexcept;
   void find_cores(const std::vector<CloudVoxel>& voxels, const CloudRow& row) noexcept;
   void find_runs(const std::vector<CloudVoxel>& voxels, CloudRow& row) noexcept;
   void join_runs(const CloudRow& row) noexcept;
@@ -62,9 +70,10 @@ class Dbscan {
   const VoxelGrid grid_;
   const std::size_t min_points_, row_bytes_;
   std::vector<BallRow> ball_;
-  std::vector<std::uint8_t> bits_;           // rows of bits, with room at both ends
   std::vector<std::uint32_t> cloud_row_at_;  // number in rows_ + 1 of each row of the volume; 0: none
   std::vector<CloudRow> rows_;
+  std::vector<std::uint8_t> bits_, core_bits_;  // of each of rows_: its voxels, its cores; with room at both ends
+  std::vector<NearRow> near_;
   std::vector<Run> runs_;
   std::vector<char> core_;  // of each voxel
   std::vector<std::int32_t> labels_;
