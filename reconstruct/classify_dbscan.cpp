@@ -123,6 +123,7 @@ std::uint32_t Dbscan::root_of(std::uint32_t run) noexcept {
 }
 
 void Dbscan::join(std::uint32_t one, std::uint32_t other) noexcept {
+  if (runs_[one].parent == runs_[other].parent) return;  // mostly
   const std::uint32_t a = root_of(one), b = root_of(other);
   runs_[std::max(a, b)].parent = std::min(a, b);
 }
