@@ -25,4 +25,7 @@ void bench_classification(std::ostream& out, const LightFieldBenchOptions& optio
 /// RPTV_SHARED_DATA names their folder.
 void bench_frames(std::ostream& out, const LightFieldBenchOptions& options);
 
+/// Refocusing, MART and Richardson-Lucy on the scene that ours is timed and scored on.
+void bench_baselines(std::ostream& out, const LightFieldBenchOptions& options);
+
 }  // namespace rptv::bench

@@ -20,7 +20,8 @@ struct Table {
 constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
                           {"classification", rptv::bench::bench_classification},
                           {"lit_pixels", rptv::bench::bench_lit_pixels},
-                          {"frames", rptv::bench::bench_frames}};
+                          {"frames", rptv::bench::bench_frames},
+                          {"baselines", rptv::bench::bench_baselines}};
 
 }  // namespace
 
