@@ -35,8 +35,8 @@ RPTV_INLINE void find_on_plane(const VoxelGrid& grid, const VoxelRays& rays, std
         z_mm));
 }
 
-RPTV_INLINE void find_changes(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
-                              std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {
+void find_changes_portable(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
+                           std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {
   std::array<std::uint32_t, VoxelChanges::kRays> even, odd;
   const std::size_t size = last - first;
   find_on_plane(grid, rays, first, size, grid.z_mm(first_plane), changes.first.data());
@@ -78,29 +78,26 @@ RPTV_INLINE std::uint32_t sum_and_mark(std::uint16_t* counts, const std::uint16_
   return sum;
 }
 
-// The same functions for one instruction set.
-#define RPTV_LOOPS(SET, TARGET)                                                                                     \
-  TARGET void load_##SET(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,              \
-                         std::span<const std::uint8_t> taken, VoxelRays& out) noexcept {                            \
-    load(grid, rays, pixel, taken, out);                                                                            \
-  }                                                                                                                 \
-  TARGET void find_changes_##SET(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last, \
-                                 std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {    \
-    find_changes(grid, rays, first, last, first_plane, planes, changes);                                            \
-  }                                                                                                                 \
-  TARGET void find_voxels_##SET(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,  \
-                                std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {     \
-    find_voxels(grid, rays, first, last, first_plane, planes, changes);                                             \
-  }                                                                                                                 \
-  TARGET std::uint32_t sum_and_mark_##SET(std::uint16_t* counts, const std::uint16_t* before, std::size_t size,     \
-                                          std::uint16_t least, std::uint64_t* marks) noexcept {                     \
-    return sum_and_mark(counts, before, size, least, marks);                                                        \
-  }                                                                                                                 \
-  constexpr RayCountLoops k_##SET{load_##SET, find_changes_##SET, find_voxels_##SET, sum_and_mark_##SET};
+// Those that the compiler makes vector code of, for one instruction set.
+#define RPTV_LOOPS(SET, TARGET)                                                                                    \
+  TARGET void load_##SET(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,             \
+                         std::span<const std::uint8_t> taken, VoxelRays& out) noexcept {                           \
+    load(grid, rays, pixel, taken, out);                                                                           \
+  }                                                                                                                \
+  TARGET void find_voxels_##SET(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last, \
+                                std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {    \
+    find_voxels(grid, rays, first, last, first_plane, planes, changes);                                            \
+  }                                                                                                                \
+  TARGET std::uint32_t sum_and_mark_##SET(std::uint16_t* counts, const std::uint16_t* before, std::size_t size,    \
+                                          std::uint16_t least, std::uint64_t* marks) noexcept {                    \
+    return sum_and_mark(counts, before, size, least, marks);                                                       \
+  }
 
 RPTV_LOOPS(portable, )
+constexpr RayCountLoops k_portable{load_portable, find_changes_portable, find_voxels_portable, sum_and_mark_portable};
 #if defined(__x86_64__)
 RPTV_LOOPS(avx2, [[gnu::target("avx2,fma")]])
+constexpr RayCountLoops k_avx2{load_avx2, find_changes_avx2, find_voxels_avx2, sum_and_mark_avx2};
 #endif
 
 }  // namespace

@@ -55,4 +55,10 @@ const RayCountLoops& ray_count_loops(InstructionSet set) noexcept;
 /// Those loops that have a version of their own in AVX-512 (the others are null); null on other architectures.
 const RayCountLoops* ray_count_loops_avx512() noexcept;
 
+#if defined(__x86_64__)
+/// find_changes in AVX2.
+void find_changes_avx2(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
+                       std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept;
+#endif
+
 }  // namespace rptv

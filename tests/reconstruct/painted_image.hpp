@@ -43,20 +43,14 @@ class PaintedImage {
     const double f = calibration_.lenslets.focal_length_mm, half = calibration_.pitch_mm() / 2 + radius_mm;
     const double cone = 0.5 / calibration_.lens.image_f_number, pupil = calibration_.lens.exit_pupil_mm;
     const auto axis = calibration_.optical_axis_px();
-    const double shrink =
-        (1 - p.z / pupil) / calibration_.apparent_scale();  // 1/(mm on the sensor per mm at the point)
-    const double reach_px =
-        ((half + cone * std::abs(p.z)) * 1.5 / shrink + calibration_.pitch_mm()) * 2 / calibration_.pixel_mm();
-    const auto from = [&](double at, double axis_px) {
-      return std::max(0.0, at / shrink / calibration_.pixel_mm() + axis_px - reach_px);
-    };
-    const auto to = [&](double at, double axis_px) {
-      return at / shrink / calibration_.pixel_mm() + axis_px + reach_px;
-    };
-    for (auto row = static_cast<std::uint32_t>(from(p.y, axis[1])); row < shape_.height_px && row < to(p.y, axis[1]);
-         ++row)
-      for (auto column = static_cast<std::uint32_t>(from(p.x, axis[0]));
-           column < shape_.width_px && column < to(p.x, axis[0]); ++column) {
+    // Pixels that can see it: round where the chief ray lands, generously.
+    const double shrink = (1 - p.z / pupil) / calibration_.apparent_scale(), pixel_mm = calibration_.pixel_mm();
+    const double reach_px = ((half + cone * std::abs(p.z)) * 1.5 / shrink + calibration_.pitch_mm()) * 2 / pixel_mm;
+    const double middle_x = p.x / shrink / pixel_mm + axis[0], middle_y = p.y / shrink / pixel_mm + axis[1];
+    const auto px = [](double at) { return static_cast<std::uint32_t>(std::max(0.0, at)); };
+    for (auto row = px(middle_y - reach_px); row < std::min(px(middle_y + reach_px), shape_.height_px); ++row)
+      for (auto column = px(middle_x - reach_px); column < std::min(px(middle_x + reach_px), shape_.width_px);
+           ++column) {
         const double x = (column - axis[0]) * calibration_.pixel_mm(), y = (row - axis[1]) * calibration_.pixel_mm();
         std::array<std::uint32_t, 1> lenslet{};
         lattice_.lenslets_of(x, y, lenslet);
