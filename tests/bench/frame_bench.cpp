@@ -5,7 +5,11 @@
 #include <iomanip>
 #include <ostream>
 
+#include "reconstruct/coarse_maxima.hpp"
 #include "reconstruct/light_field.hpp"
+#include "reconstruct/light_field_volume.hpp"
+#include "reconstruct/lit_pixels.hpp"
+#include "reconstruct/pixels_to_rays.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/reconstruct/painted_image.hpp"
@@ -25,10 +29,41 @@ double wall_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// The steps before the fit, each by itself, and what is left of the whole: fits, claims, later rounds.
+void bench_stages(std::ostream& out, const std::string& name, const LightFieldSettings& settings,
+                  const LightFieldCalibration& calibration, const ImageView& image, int rounds) {
+  const LensletLattice lattice(calibration);
+  const PixelsToRays pixels_to_rays(calibration, lattice, 1);
+  const VoxelGrid grid = make_grid(settings, calibration, pixels_to_rays.slope_half_range());
+  const DarkLimit limit(image.shape, settings.background, settings.threshold);
+  LightField light_field(settings, calibration, {});
+  std::vector<std::uint32_t> lit(image.shape.pixels());
+  Rays rays(lit.size(), lattice.size());
+  RayCounter counter(grid, rays.capacity(), 1);
+  CoarseMaxima maxima(grid, 1);
+  std::vector<Candidate> candidates;
+  candidates.reserve(100'000);
+  Particles found(4096);
+  std::size_t count = 0;
+  Contest contest;
+  contest.add("lit pixels", [&] { count = find_lit_pixels(image, limit, lit); });
+  contest.add("pixels to rays", [&] { pixels_to_rays.convert({lit.data(), count}, rays); });
+  contest.add("ray counter, " + std::to_string(grid.planes) + " planes", [&] { counter.count(rays, {}, 1); });
+  contest.add("maxima", [&] { candidates.clear(), maxima.find(counter, light_field.min_count(), candidates); });
+  contest.add("whole", [&] { light_field.reconstruct(image, found); });
+  contest.run(rounds);
+  double rest_ms = contest.median_ms(contest.size() - 1);
+  out << "    " << name << ", 1 thread, cpu ms:" << std::fixed << std::setprecision(2);
+  for (std::size_t i = 0; i + 1 < contest.size(); rest_ms -= contest.median_ms(i++))
+    out << ' ' << contest.name(i) << ' ' << contest.median_ms(i) << ';';
+  out << " fits, claims and later rounds " << rest_ms << '\n';
+}
+
 void bench_one(std::ostream& out, const std::string& name, LightFieldSettings settings,
                const LightFieldCalibration& calibration, const ImageView& image, int rounds) {
+  bench_stages(out, name, settings, calibration, image, rounds);
   Particles found(4096);
-  for (const std::int64_t threads : {1}) {
+  for (const std::int64_t threads : {1, 2}) {
     settings.threads = threads;
     LightField light_field(settings, calibration, {});
     light_field.reconstruct(image, found);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // rptv_bench_light_field [TABLE…] [--rounds=N] [--dump=PREFIX]: prints the light field's tables, all of them or those
 // named.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
@@ -23,9 +25,17 @@ constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
                           {"frames", rptv::bench::bench_frames},
                           {"baselines", rptv::bench::bench_baselines}};
 
+// As the daemon runs: OpenMP's workers sleep between frames instead of spinning on the cores of others.
+void let_openmp_sleep(char** argv) {
+  if (getenv("OMP_WAIT_POLICY") != nullptr) return;
+  setenv("OMP_WAIT_POLICY", "passive", 1);
+  execv("/proc/self/exe", argv);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  let_openmp_sleep(argv);
   std::vector<std::string> wanted;
   rptv::bench::LightFieldBenchOptions options;
   for (int i = 1; i < argc; ++i) {
