@@ -11,12 +11,19 @@ namespace rptv {
 namespace {
 constexpr std::size_t kSumBlock = 512;  // counters; a block of all planes of a group stays in the first-level cache
 constexpr std::size_t kMostCount = 65535;
+constexpr std::size_t kGroupBytes = 1 << 20;  // a group of planes should stay in the second-level cache, but the first
+constexpr std::size_t kLeastPlanes = 8;       // plane of each is the dearest: at least this many
+
+std::size_t planes_in_group(std::size_t plane_size) noexcept {
+  return std::clamp(kGroupBytes / (plane_size * sizeof(std::uint16_t)), kLeastPlanes, VoxelChanges::kPlanes);
+}
 }  // namespace
 
 RayCounter::RayCounter(const VoxelGrid& grid, std::size_t max_rays, std::size_t threads, InstructionSet set)
     : grid_(grid),
       plane_size_(static_cast<std::size_t>(grid.plane_size())),
       plane_words_((plane_size_ + 63) / 64),
+      group_planes_(planes_in_group(plane_size_)),
       loops_(ray_count_loops(set)),
       ray_memory_(4 * (max_rays + VoxelRays::kLanes)),
       counts_(plane_size_ * static_cast<std::size_t>(grid.planes)),
@@ -31,14 +38,14 @@ RayCounter::RayCounter(const VoxelGrid& grid, std::size_t max_rays, std::size_t 
 void RayCounter::count(const Rays& rays, std::span<const std::uint8_t> taken, std::uint16_t least) noexcept {
   loops_.load(grid_, rays.all(), rays.pixel.data(), taken, rays_);
   const auto planes = static_cast<std::size_t>(grid_.planes);
-  const std::size_t groups = (planes + VoxelChanges::kPlanes - 1) / VoxelChanges::kPlanes;
+  const std::size_t groups = (planes + group_planes_ - 1) / group_planes_;
   parallel_for(groups, changes_.size(),
                [&](std::size_t group, std::size_t thread) { count_group(group, changes_[thread], least); });
 }
 
 void RayCounter::count_group(std::size_t group, VoxelChanges& changes, std::uint16_t least) noexcept {
-  const std::size_t first_plane = group * VoxelChanges::kPlanes;
-  const std::size_t planes = std::min(VoxelChanges::kPlanes, static_cast<std::size_t>(grid_.planes) - first_plane);
+  const std::size_t first_plane = group * group_planes_;
+  const std::size_t planes = std::min(group_planes_, static_cast<std::size_t>(grid_.planes) - first_plane);
   std::uint16_t* counts = counts_.data() + first_plane * plane_size_;
   std::fill_n(counts, planes * plane_size_, std::uint16_t{0});
   // Either is right; a move costs two steps, so that beyond half a move a plane it is cheaper to count afresh.

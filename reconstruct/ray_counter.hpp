@@ -43,7 +43,7 @@ class RayCounter {
   void count_saturating(std::size_t plane, std::uint16_t least) noexcept;
 
   const VoxelGrid grid_;
-  const std::size_t plane_size_, plane_words_;
+  const std::size_t plane_size_, plane_words_, group_planes_;
   const RayCountLoops& loops_;
   VoxelRays rays_{};
   std::vector<float> ray_memory_;

@@ -142,7 +142,7 @@ TEST(Dbscan, labels_as_its_definition_does) {
     VoxelCloud cloud(100000);
     cloud.collect(counter);
     ASSERT_GT(cloud.voxels().size(), 50U);
-    for (const double radius : {1.0, 1.5, 1.7321, 1.9999, 2.0, 3.5})
+    for (const double radius : {1.0, 1.7321, 1.9999, 2.5})
       for (const std::size_t min_points : {1U, 3U, 6U}) {
         Dbscan dbscan(grid, cloud.capacity(), radius, min_points);
         const auto expected = naive_dbscan(cloud.voxels(), radius, min_points);

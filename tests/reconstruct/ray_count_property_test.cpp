@@ -96,6 +96,26 @@ RC_GTEST_PROP(RayCounter, leaves_out_taken_pixels_with_every_instruction_set, ()
   }
 }
 
+TEST(RayCounter, equals_the_plain_loops_in_planes_too_large_for_the_cache) {
+  Case large;
+  large.grid.size_x = 700, large.grid.size_y = 301, large.grid.planes = 19, large.grid.first_z_mm = -9;
+  large.rays = Rays(20000, 1);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> x(-5, 710), y(-5, 310), slope(-0.1F, 0.1F);
+  for (auto& ray : large.rays.ray) ray = {x(random), y(random), slope(random), slope(random)};
+  large.rays.size = large.rays.pixels = large.rays.capacity();
+  testing::Counts counts;
+  testing::count_ray_major(large.grid, large.rays, counts);
+  for (const auto set : sets_here()) {
+    RayCounter counter(large.grid, large.rays.capacity(), 2, set);
+    counter.count(large.rays, {}, 3);
+    for (std::int32_t z = 0; z < large.grid.planes; ++z)
+      ASSERT_TRUE(std::equal(counter.plane(z).begin(), counter.plane(z).end(),
+                             counts.begin() + std::ptrdiff_t{z} * large.grid.plane_size()))
+          << z << ' ' << name_of(set);
+  }
+}
+
 // Two voxels beyond 65535, one of them at exactly 65536 more than a neighbour: sums modulo 2^16 would hide it.
 TEST(RayCounter, stops_at_65535_where_the_plain_loops_do) {
   VoxelGrid grid;
