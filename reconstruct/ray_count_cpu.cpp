@@ -14,8 +14,10 @@ constexpr std::size_t kMostCount = 65535;
 constexpr std::size_t kGroupBytes = 1 << 20;  // a group of planes should stay in the second-level cache, but the first
 constexpr std::size_t kLeastPlanes = 8;       // plane of each is the dearest: at least this many
 
-std::size_t planes_in_group(std::size_t plane_size) noexcept {
-  return std::clamp(kGroupBytes / (plane_size * sizeof(std::uint16_t)), kLeastPlanes, VoxelChanges::kPlanes);
+std::size_t planes_in_group(std::size_t plane_size, std::size_t planes, std::size_t threads) noexcept {
+  const std::size_t share = (planes + threads - 1) / threads;
+  const std::size_t in_cache = kGroupBytes / (plane_size * sizeof(std::uint16_t));
+  return std::clamp<std::size_t>(share, 1, std::clamp(in_cache, kLeastPlanes, VoxelChanges::kPlanes));
 }
 }  // namespace
 
@@ -23,7 +25,8 @@ RayCounter::RayCounter(const VoxelGrid& grid, std::size_t max_rays, std::size_t 
     : grid_(grid),
       plane_size_(static_cast<std::size_t>(grid.plane_size())),
       plane_words_((plane_size_ + 63) / 64),
-      group_planes_(planes_in_group(plane_size_)),
+      group_planes_(
+          planes_in_group(plane_size_, static_cast<std::size_t>(grid.planes), std::max<std::size_t>(threads, 1))),
       loops_(ray_count_loops(set)),
       ray_memory_(4 * (max_rays + VoxelRays::kLanes)),
       counts_(plane_size_ * static_cast<std::size_t>(grid.planes)),
