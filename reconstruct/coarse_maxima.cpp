@@ -119,6 +119,15 @@ bool CoarseMaxima::is_maximum(std::size_t plane, std::size_t index) const noexce
          smooth_[at - stride + 1] != self;
 }
 
+// Vertex of the parabola through the highest counts near a maximum on its own and the two neighbouring planes.
+double CoarseMaxima::depth_offset(std::size_t plane, std::size_t index) const noexcept {
+  if (plane == 0 || plane + 1 == static_cast<std::size_t>(grid_.planes)) return 0;
+  const std::uint16_t* here = &highest_[plane * plane_size_ + index];
+  const double before = here[-static_cast<std::ptrdiff_t>(plane_size_)], after = here[plane_size_];
+  const double bend = before - 2.0 * *here + after;
+  return bend < 0 ? std::clamp(0.5 * (before - after) / bend, -0.49, 0.49) : 0;
+}
+
 std::size_t CoarseMaxima::find(const RayCounter& counter, std::uint16_t least,
                                std::vector<Candidate>& candidates) noexcept {
   const auto planes = static_cast<std::size_t>(grid_.planes), stride = static_cast<std::size_t>(grid_.stride());
@@ -141,7 +150,7 @@ std::size_t CoarseMaxima::find(const RayCounter& counter, std::uint16_t least,
         const std::uint16_t smooth = smooth_[z * plane_size_ + i];
         if (smooth < bound || smooth != highest_[z * plane_size_ + i] || !is_maximum(z, i)) continue;
         const auto x = static_cast<double>(i % stride), y = static_cast<double>(i / stride);
-        const Candidate found = candidate_at(counter, x, y, static_cast<double>(z));
+        const Candidate found = candidate_at(counter, x, y, static_cast<double>(z) + depth_offset(z, i));
         if (found.rays < least) continue;
         if (candidates.size() == candidates.capacity())
           ++refused;

@@ -32,11 +32,12 @@ class CoarseMaxima {
 
   /// Appends to `candidates` (up to its capacity), in raster order, the maxima among their 26 neighbours of the counts
   /// weighted 1-2-1 along x and y, where the 3×3 voxels have `least` rays or more; among equals the first in raster
-  /// order wins. Returns how many did not fit.
+  /// order wins. Their depth is the vertex of a parabola through three planes. Returns how many did not fit.
   std::size_t find(const RayCounter& counter, std::uint16_t least, std::vector<Candidate>& candidates) noexcept;
 
  private:
   bool is_maximum(std::size_t plane, std::size_t index) const noexcept;
+  double depth_offset(std::size_t plane, std::size_t index) const noexcept;
 
   const VoxelGrid grid_;
   const std::size_t plane_size_, plane_blocks_;

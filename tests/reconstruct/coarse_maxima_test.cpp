@@ -62,6 +62,22 @@ bool beaten(const RayCounter& counter, int x, int y, int z) {
   return false;
 }
 
+double highest_near(const RayCounter& counter, int x, int y, int z) {
+  int highest = 0;
+  for (int j = std::max(y - 1, 1); j <= std::min(y + 1, counter.grid().size_y); ++j)
+    for (int i = std::max(x - 1, 1); i <= std::min(x + 1, counter.grid().size_x); ++i)
+      highest = std::max(highest, weighted(counter, i, j, z));
+  return highest;
+}
+
+// Where a parabola through the three planes has its vertex, at most half a plane off.
+double depth_of(const RayCounter& counter, int x, int y, int z) {
+  if (z == 0 || z + 1 == counter.grid().planes) return z;
+  const double before = highest_near(counter, x, y, z - 1), here = highest_near(counter, x, y, z),
+               after = highest_near(counter, x, y, z + 1), bend = before - 2 * here + after;
+  return bend < 0 ? z + std::clamp(0.5 * (before - after) / bend, -0.49, 0.49) : z;
+}
+
 RC_GTEST_PROP(CoarseMaxima, are_those_of_their_definition, ()) {
   using rc::gen::inRange;
   const auto grid = unit_grid(*inRange(1, 40), *inRange(1, 30), *inRange(1, 6), 9, -18);
@@ -73,7 +89,7 @@ RC_GTEST_PROP(CoarseMaxima, are_those_of_their_definition, ()) {
   for (int z = 0; z < grid.planes; ++z)
     for (int y = 1; y <= grid.size_y; ++y)
       for (int x = 1; x <= grid.size_x; ++x) {
-        const Candidate here = candidate_at(counter, x, y, z);
+        const Candidate here = candidate_at(counter, x, y, depth_of(counter, x, y, z));
         if (weighted(counter, x, y, z) >= least && here.rays >= least && !beaten(counter, x, y, z))
           expected.push_back({here.x_mm, here.y_mm, here.z_mm});
       }
