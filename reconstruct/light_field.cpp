@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "calibration/object_map.hpp"
 #include "core/error.hpp"
 #include "reconstruct/classify_dbscan.hpp"
 #include "reconstruct/classify_local_maxima.hpp"
+#include "reconstruct/coarse_maxima.hpp"
 #include "reconstruct/light_field_volume.hpp"
 #include "reconstruct/lit_pixels.hpp"
 #include "reconstruct/parallel.hpp"
@@ -77,6 +79,7 @@ struct LightField::Stages {
   std::vector<std::uint32_t> lit;
   Rays rays;
   RayCounter counter;
+  std::optional<CoarseMaxima> coarse_maxima;  // or else cloud and dbscan
   VoxelCloud cloud;
   Dbscan dbscan;
   std::vector<Candidate> candidates;
@@ -107,6 +110,7 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
              static_cast<std::size_t>(s.dbscan_min_points)),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
+  if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
   candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
   particles.reserve(static_cast<std::size_t>(s.max_particles));
   if (!s.refine) return;
@@ -125,10 +129,14 @@ bool LightField::Stages::cloud_is_dense() const noexcept {
 
 void LightField::Stages::find_candidates(bool first_round) noexcept {
   candidates.clear();
-  counts.refused_candidates += cloud.collect(counter, min_count);  // eq. (7)
-  if (first_round) dense = cloud_is_dense();
-  counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                     : dbscan.classify(counter, cloud, candidates);
+  if (coarse_maxima) {
+    counts.refused_candidates += coarse_maxima->find(counter, min_count, candidates);
+  } else {
+    counts.refused_candidates += cloud.collect(counter);
+    if (first_round) dense = cloud_is_dense();
+    counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
+                                       : dbscan.classify(counter, cloud, candidates);
+  }
   counts.candidates += candidates.size();
 }
 
@@ -137,7 +145,7 @@ void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
   counts.refused_pixels += pixels_to_rays.convert({lit.data(), lit_pixels}, rays);  // eq. (5)
   explain_away.begin(rays);
   for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
-    counter.count(rays, explain_away.taken());  // eq. (6)
+    counter.count(rays, explain_away.taken(), min_count);  // eq. (6), (7)
     find_candidates(round == 0);
     ++counts.rounds;
     if (explain_away.explain(rays, candidates) == 0) break;
@@ -192,6 +200,10 @@ void LightField::Stages::write(Particles& out) const noexcept {
 
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                        const ImageView& background) {
+  if (settings.counting == "coarse_to_fine" && settings.classification == "dbscan")
+    throw Error(ExitCode::configuration,
+                "light_field.classification = \"dbscan\" needs clouds of voxels, which light_field.counting = "
+                "\"coarse_to_fine\" does not make; choose counting = \"coarse\" or \"exhaustive\"");
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
   stages_ = std::make_unique<Stages>(settings, calibration, background);
 }

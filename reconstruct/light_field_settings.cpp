@@ -17,8 +17,8 @@ void LightFieldSettings::fields(FieldList& list) {
   list.number("slope_blur_um", slope_blur_um, 0, 1000, "rms blur of a sub-image beside pixel and diffraction");
   list.number("particle_radius_um", particle_radius_um, 0, 1e5, "in the object; gives C_min by eq. (7)");
   list.integer("min_count", min_count, 0, 65535, "C_min, rays through a voxel; 0: by eq. (7)");
-  list.choice("counting", counting, {"coarse", "exhaustive"},
-              "planes counted: those that depth resolution needs, or all");
+  list.choice("counting", counting, {"coarse_to_fine", "coarse", "exhaustive"},
+              "planes counted: those that show where particles are, those that depth resolution needs, or all");
   list.choice("classification", classification, {"auto", "local_maxima", "dbscan"}, "how voxels become candidates");
   list.number("density_limit", density_limit, 0, 1,
               "auto: fraction of voxels at C_min from which local maxima are used");

@@ -29,11 +29,12 @@ struct LightFieldSettings {
   double particle_radius_um = 0;  ///< object space; with the magnification it gives C_min by eq. (7)
   std::int64_t min_count = 0;     ///< C_min itself; 0: by eq. (7)
 
-  std::string counting = "coarse";  ///< "coarse": every plane_stride-th plane; "exhaustive": every plane of the volume
-  std::string classification = "auto";  ///< "local_maxima", "dbscan", or by density
-  double density_limit = 0.002;         ///< auto: fraction of voxels at or above C_min beyond which a cloud is dense
-  double dbscan_radius_voxels = 1.75;   ///< eps
-  std::int64_t dbscan_min_points = 1;   ///< 1: every voxel at C_min counts; more: lonely ones are noise
+  std::string counting = "coarse_to_fine";  ///< "coarse": planes an eighth of a voxel apart at the steepest ray;
+                                            ///< "exhaustive": every plane of the volume
+  std::string classification = "auto";      ///< "local_maxima", "dbscan", or by density; coarse to fine: local maxima
+  double density_limit = 0.002;        ///< auto: fraction of voxels at or above C_min beyond which a cloud is dense
+  double dbscan_radius_voxels = 1.75;  ///< eps
+  std::int64_t dbscan_min_points = 1;  ///< 1: every voxel at C_min counts; more: lonely ones are noise
   std::vector<double> maximum_radius_um{190, 190, 4000};  ///< half-widths of the box that a local maximum rules
 
   bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support

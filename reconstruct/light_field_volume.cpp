@@ -18,7 +18,6 @@ namespace rptv {
 namespace {
 
 constexpr double kMostVoxels = 2e9;
-constexpr double kCoarseOffset = 0.125;  // of a voxel
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::configuration, text); }
 
@@ -42,6 +41,11 @@ Range sensor_range(double axis_px, std::int64_t size_px, const LightFieldCalibra
   const double scale = std::max(1 - z.from * pupil, 1 - z.to * pupil) / calibration.apparent_scale();
   return {(-0.5 - axis_px) * calibration.pixel_mm() * scale,
           (static_cast<double>(size_px) - 0.5 - axis_px) * calibration.pixel_mm() * scale};
+}
+
+/// How far the outermost ray may be from where it is on the nearest plane, in voxels; 0: planes are as deep as voxels.
+double farthest_drift(const std::string& counting) {
+  return counting == "coarse_to_fine" ? 0.5 : counting == "coarse" ? 0.125 : 0;
 }
 
 std::int32_t voxels_in(Range range, double step_mm) {
@@ -71,8 +75,9 @@ VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibrat
                            sensor_range(axis[1], calibration.sensor.height_px, calibration, z));
   const double step_x = settings.voxel_um.at(0) * 1e-3, step_y = settings.voxel_um.at(1) * 1e-3;
   double step_z = settings.voxel_um.at(2) * 1e-3;
-  if (settings.counting == "coarse" && slope_half_range > 0)
-    step_z = std::max(step_z, 2 * kCoarseOffset * std::min(step_x, step_y) / slope_half_range);
+  const double drift = farthest_drift(settings.counting) * std::min(step_x, step_y);
+  if (slope_half_range > 0) step_z = std::max(step_z, 2 * drift / slope_half_range);
+  if (settings.counting == "coarse_to_fine") step_z = (z.to - z.from) / voxels_in(z, step_z);  // fills the volume
   VoxelGrid grid;
   grid.size_x = voxels_in(x, step_x), grid.size_y = voxels_in(y, step_y), grid.planes = voxels_in(z, step_z);
   const double voxels = (grid.size_x + 2.0) * (grid.size_y + 2.0) * grid.planes;
@@ -125,8 +130,8 @@ ExplainOptions make_explain_options(const LightFieldSettings& settings, const Li
   options.fit.pitch_mm = pitch_mm;
   options.fit.min_support = std::max<double>(min_count, 3);
   options.claim = settings.explain_away;
-  const double last_z_mm = grid.z_mm(grid.planes - 1);
-  options.lowest_z_mm = grid.first_z_mm - grid.step_z_mm, options.highest_z_mm = last_z_mm + grid.step_z_mm;
+  const double voxel_mm = settings.voxel_um[2] * 1e-3;
+  options.lowest_z_mm = settings.volume_z_mm[0] - voxel_mm, options.highest_z_mm = settings.volume_z_mm[1] + voxel_mm;
   options.max_particles = static_cast<std::size_t>(settings.max_particles);
   options.max_candidates = 4 * options.max_particles;
   options.max_rays = static_cast<std::size_t>(settings.max_rays);

@@ -12,8 +12,8 @@
 
 namespace rptv {
 
-/// The volume of the settings, in voxels. `slope_half_range` decides the planes that coarse counting needs: on the
-/// nearest plane the outermost ray is at most an eighth of a voxel off. Throws Error(configuration).
+/// The volume of the settings, in voxels. `slope_half_range` decides the planes that are counted: on the nearest one
+/// the outermost ray is at most half a voxel off (coarse to fine) or an eighth (coarse). Throws Error(configuration).
 VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                     double slope_half_range);
 

@@ -2,6 +2,8 @@
 // Written once, compiled for AVX2 and for any processor; no fused steps, so the results are the same.
 #include "reconstruct/particle_image_cpu.hpp"
 
+#include "reconstruct/instruction_set.hpp"
+
 namespace rptv {
 
 namespace {
@@ -10,7 +12,6 @@ namespace {
   float* __restrict value = row.value, * __restrict dx = row.dx, * __restrict dy = row.dy, * __restrict dz = row.dz;
   const ParticleView v = view;
   const float c_x = row.centre_x, c_y = row.centre_y, s_x = row.s_x, s_y = row.s_y, step = row.step;
-#pragma GCC ivdep
   for (std::ptrdiff_t i = 0; i < row.count; ++i) {
     const ParticleLight light = light_at(v, c_x, c_y, s_x - static_cast<float>(static_cast<int>(i)) * step, s_y);
     value[i] = light.value, dx[i] = light.dx, dy[i] = light.dy, dz[i] = light.dz;
@@ -57,7 +58,7 @@ RPTV_LOOPS(avx2, [[gnu::target("avx2")]])
 
 Loops best_loops() noexcept {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return {light_row_avx2, filter_line_avx2};
+  if (best_instruction_set() != InstructionSet::portable) return {light_row_avx2, filter_line_avx2};
 #endif
   return {light_row_any, filter_line_any};
 }

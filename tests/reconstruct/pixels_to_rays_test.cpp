@@ -28,8 +28,16 @@ void compare_with_plain_loop(std::size_t width, unsigned highest) {
   std::vector<std::uint32_t> expected, found(shape.pixels());
   for (std::size_t i = 0; i < image.size(); ++i)
     if (image[i] > dark[i] + 10.5) expected.push_back(static_cast<std::uint32_t>(i));
-  found.resize(find_lit_pixels(view, limit, found));
-  EXPECT_EQ(found, expected);
+  for (const auto set : {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (set > best_instruction_set()) continue;
+    found.assign(shape.pixels(), 0);
+    found.resize(find_lit_pixels(view, limit, found, set));
+    EXPECT_EQ(found, expected) << name_of(set);
+    const std::size_t room = expected.size() / 2;
+    found.assign(room, 0);
+    EXPECT_EQ(find_lit_pixels(view, limit, found, set), expected.size()) << name_of(set);
+    EXPECT_TRUE(std::equal(found.begin(), found.end(), expected.begin())) << name_of(set);
+  }
 }
 
 TEST(LitPixels, are_those_above_background_and_threshold) {
