@@ -68,7 +68,11 @@ class Search {
 
   void expect(double reach);
   void judge_shapes();
-  SubimageTemplate fold(double reach) const;
+  SubimageTemplate fold() const;
+  /// Light between sub-images over their top.
+  double gap_of(const SubimageTemplate& mean) const noexcept {
+    return (mean.lowest() - options_.dark_level) / std::max(mean.highest() - options_.dark_level, 1e-300);
+  }
   void pass(double reach);
   void look_for_overlap();
   void finish();
@@ -152,10 +156,10 @@ void Search::judge_shapes() {
   }
 }
 
-SubimageTemplate Search::fold(double reach) const {
+SubimageTemplate Search::fold() const {
   std::vector<std::array<double, 2>> centres;
   for (const auto& s : found_.spots)
-    if (s.reason == 0 && from_middle(s) <= reach) centres.push_back({s.predicted_x_px, s.predicted_y_px});
+    if (s.reason == 0) centres.push_back({s.predicted_x_px, s.predicted_y_px});
   return {image_, centres, kWindow * pitch_px()};
 }
 
@@ -163,8 +167,7 @@ SubimageTemplate Search::fold(double reach) const {
 /// sub-images' diameter, says whether the bright places are centres.
 void Search::look_for_overlap() {
   expect(kCore * pitch_px());
-  const SubimageTemplate mean = fold(1e9);
-  const double gap = (mean.lowest() - options_.dark_level) / std::max(mean.highest() - options_.dark_level, 1e-300);
+  const double gap = gap_of(fold());
   if (options_.particle_images || gap < kMostGap) return;
   const std::string what = fmt::format("between sub-images it has {:.0f} % of their light, so they overlap", 100 * gap);
   if (!(start_.lens.image_f_number > 0))
@@ -184,7 +187,7 @@ void Search::look_for_overlap() {
 void Search::pass(double reach) {
   expect(reach);
   judge_shapes();
-  const SubimageTemplate mean = fold(1e9);
+  const SubimageTemplate mean = fold();
   found_.diameter_px = mean.half_height_diameter_px();
   std::vector<LatticeSpot> spots;
   double intact = 0, field = 0;
@@ -213,6 +216,15 @@ void Search::pass(double reach) {
 }
 
 void Search::finish() {
+  const double gap = gap_of(fold());
+  constexpr double kMostGapAtEnd = 0.35;
+  if (!found_.overlapping && gap > kMostGapAtEnd)
+    refuse(
+        fmt::format("the {} lattice that fits best, of {:.2f} px, leaves {:.0f} % of the light between its sub-images, "
+                    "so it is none; {}",
+                    start_.lenslets.shape, pitch_px(), 100 * gap,
+                    options_.particle_images ? "give more particle images, or --exit-pupil-mm if it is known"
+                                             : "take a white image in focus on the array's focal plane"));
   const LensletGeometry geometry(found_.fit.lattice);
   const double scatter_px = found_.fit.scatter_mm / frame_.pixel_mm;
   const double most = std::max(0.3, 6 * std::numbers::sqrt2 * scatter_px);

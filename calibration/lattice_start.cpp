@@ -18,6 +18,7 @@ namespace {
 // Apparent pitches that a search allows, over the data sheet's: exit pupils from four focal lengths of the lenslets on.
 constexpr double kLeast = 0.93, kMost = 1.25;
 constexpr double kLeastPitchPx = 4, kLeastPeriods = 8, kMostSubharmonic = 0.4;
+constexpr double kClearPeak = 5 * kSignificantPeak;  // the search of all periods has far more chances
 
 [[noreturn]] void refuse(const FindOptions& options, const std::string& text) {
   throw Error(ExitCode::bad_data, options.origin + ": " + text);
@@ -27,7 +28,7 @@ constexpr double kLeastPitchPx = 4, kLeastPeriods = 8, kMostSubharmonic = 0.4;
                                     const FindOptions& options, double expected_px) {
   const auto any =
       find_lattice_peak(image, start.lenslets.shape, 3, std::min(image.width, image.height) / kLeastPeriods);
-  if (any.significance > kSignificantPeak)
+  if (any.significance > kClearPeak)
     refuse(
         options,
         fmt::format("shows a {} pattern with a period of {:.2f} px = {:.1f} um, but a pitch of {:.6g} um is {:.2f} px; "
@@ -47,6 +48,11 @@ constexpr double kLeastPitchPx = 4, kLeastPeriods = 8, kMostSubharmonic = 0.4;
 LatticeStart find_lattice_start(const GreyImage& image, const LightFieldCalibration& start,
                                 const FindOptions& options) {
   const double pitch_px = start.lenslets.pitch_um / start.sensor.pixel_um;
+  if (options.particle_images && start.subimage_overlap() > 1.02)
+    refuse(options,
+           fmt::format("sub-images are {:.2f} pitches wide at f/{:.4g}, and particle images show no borders where "
+                       "sub-images overlap; take a white image, or stop the lens down",
+                       start.subimage_overlap(), start.lens.image_f_number));
   const double scale = options.apparent_scale > 0 ? options.apparent_scale : 1;
   const double expected_px = pitch_px * scale;
   if (expected_px < kLeastPitchPx)
