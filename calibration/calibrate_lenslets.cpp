@@ -15,7 +15,7 @@ namespace rptv {
 
 namespace {
 
-constexpr double kMostSaturated = 0.01;   // of all pixels
+constexpr double kMostSaturated = 0.03;   // of the bright pixels
 constexpr double kMostPitchError = 0.05;  // of the data sheet's, when the pitch is fitted
 constexpr double kTelecentric = 1e-4;     // scales nearer to 1 are telecentric
 constexpr double kLeastLightForRays = 0.05;
@@ -28,7 +28,7 @@ void check_exposure(const LensletImages& images) {
   const double share = images.images.saturated_share(images.significant_bits);
   if (images.particle_images || share <= kMostSaturated) return;
   refuse(images.origin,
-         fmt::format("is saturated: {:.1f} % of its pixels are at {}, the highest of {} bits; halve the "
+         fmt::format("is saturated: {:.1f} % of its bright pixels are at {}, the highest of {} bits; halve the "
                      "exposure and take it again",
                      100 * share, (std::uint64_t{1} << images.significant_bits) - 1, images.significant_bits));
 }

@@ -15,24 +15,24 @@ namespace rptv {
 namespace {
 
 constexpr std::size_t kLeastPairs = 25;
-constexpr double kMostCondition = 1e4;
+constexpr double kMostCondition = 200;
 
 std::vector<double>& factors_of(PolynomialCalibration& p, int axis) {
   return axis == 0 ? p.object_x_mm : axis == 1 ? p.object_y_mm : p.object_z_mm;
 }
 
-void set_box(PolynomialCalibration& p, std::span<const Correspondence> pairs, const std::string& origin) {
-  p.image_from_mm = p.image_to_mm = {pairs[0].image.begin(), pairs[0].image.end()};
-  for (const auto& pair : pairs)
+void set_box(PolynomialCalibration& p, std::span<const Point3> points, const std::string& origin) {
+  p.from_mm = p.to_mm = {points[0].begin(), points[0].end()};
+  for (const auto& point : points)
     for (std::size_t k = 0; k < 3; ++k) {
-      p.image_from_mm[k] = std::min(p.image_from_mm[k], pair.image[k]);
-      p.image_to_mm[k] = std::max(p.image_to_mm[k], pair.image[k]);
+      p.from_mm[k] = std::min(p.from_mm[k], point[k]);
+      p.to_mm[k] = std::max(p.to_mm[k], point[k]);
     }
   for (std::size_t k = 0; k < 3; ++k)
-    if (!(p.image_to_mm[k] - p.image_from_mm[k] > 1e-6))
-      throw Error(ExitCode::bad_data, fmt::format("{}: all points have image_{} = {:.6g}; move the target through the "
+    if (!(p.to_mm[k] - p.from_mm[k] > 1e-6))
+      throw Error(ExitCode::bad_data, fmt::format("{}: all points have the same image_{}; move the target through the "
                                                   "volume: at least 3 depths, and 4 columns and rows in each",
-                                                  origin, "xyz"[k], p.image_from_mm[k]));
+                                                  origin, "xyz"[k]));
 }
 
 }  // namespace
@@ -63,18 +63,30 @@ VolumeFit fit_volume(std::span<const Correspondence> pairs, const LightFieldCali
                             origin, pairs.size(), kSoloffTerms, kLeastPairs));
   VolumeFit fit;
   fit.calibration = start;
-  auto& lens = fit.calibration.lens;
-  lens.magnification = start.magnification();
-  lens.model = "polynomial";
   auto& p = fit.calibration.polynomial;
-  set_box(p, pairs, origin);
+  p = {};
+  p.base = start.base_model();
+  fit.calibration.lens.model = p.base;
+  const ObjectMap lens(fit.calibration);  // what there is without the polynomial
+  fit.calibration.lens.model = "polynomial";
+  std::vector<Point3> points;
+  for (const auto& pair : pairs) {
+    if (!(pair.image[2] < lens.highest_z_mm()))
+      throw Error(ExitCode::bad_data,
+                  fmt::format("{}: a point has image_z = {:.6g} mm and the lens forms images only up "
+                              "to {:.6g} mm; z counts towards the main lens",
+                              origin, pair.image[2], lens.highest_z_mm()));
+    points.push_back(lens.to_object(pair.image));
+  }
+  set_box(p, points, origin);
   const auto n = static_cast<Eigen::Index>(pairs.size());
   Eigen::MatrixXd terms(n, kSoloffTerms), object(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& pair = pairs[static_cast<std::size_t>(i)];
+    const Point3& at = points[static_cast<std::size_t>(i)];
     Point3 scaled{};
     for (std::size_t k = 0; k < 3; ++k)
-      scaled[k] = (2 * pair.image[k] - p.image_from_mm[k] - p.image_to_mm[k]) / (p.image_to_mm[k] - p.image_from_mm[k]);
+      scaled[k] = (2 * at[k] - p.from_mm[k] - p.to_mm[k]) / (p.to_mm[k] - p.from_mm[k]);
     const SoloffTerms row = soloff_terms(scaled);
     for (std::size_t k = 0; k < kSoloffTerms; ++k) terms(i, static_cast<Eigen::Index>(k)) = row[k];
     for (int k = 0; k < 3; ++k) object(i, k) = pair.object[static_cast<std::size_t>(k)];
@@ -84,7 +96,7 @@ VolumeFit fit_volume(std::span<const Correspondence> pairs, const LightFieldCali
   fit.condition = singular[0] / std::max(singular[kSoloffTerms - 1], 1e-300);
   if (!(fit.condition < kMostCondition))
     throw Error(ExitCode::bad_data,
-                fmt::format("{}: {} points do not fix the polynomial (condition {:.2g}, at most {:.0e}): "
+                fmt::format("{}: {} points do not fix the polynomial (condition {:.2g}, at most {:.0f}): "
                             "they lie on too few planes, rows or columns; use at least 3 depths, and 4 "
                             "columns and rows in each",
                             origin, pairs.size(), fit.condition, kMostCondition));

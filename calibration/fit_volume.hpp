@@ -26,8 +26,9 @@ struct VolumeFit {
   double condition = 0;   ///< of the scaled equations
 };
 
-/// Least squares for the 19 factors of each axis, in the box of the points. Throws Error(bad_data) when the points do
-/// not fix them: fewer than 25, or on fewer than 3 depths, 4 rows or 4 columns. `origin` names the table in messages.
+/// Least squares for the 19 factors of each axis, in the box of the points, after the lens of `start` (a polynomial
+/// that it has already is replaced). Throws Error(bad_data) when the points do not fix them: fewer than 25, or on fewer
+/// than 3 depths, 4 rows or 4 columns. `origin` names the table in messages.
 VolumeFit fit_volume(std::span<const Correspondence> pairs, const LightFieldCalibration& start,
                      const std::string& origin);
 

@@ -70,8 +70,10 @@ double ImageStatistics::mean_noise() const {
 
 double ImageStatistics::saturated_share(std::uint32_t significant_bits) const noexcept {
   const auto top = static_cast<float>((std::uint64_t{1} << significant_bits) - 1);
-  return static_cast<double>(std::count_if(maximum_.begin(), maximum_.end(), [&](float v) { return v >= top; })) /
-         static_cast<double>(maximum_.size());
+  const auto above = [&](float limit) {
+    return static_cast<double>(std::count_if(maximum_.begin(), maximum_.end(), [&](float v) { return v >= limit; }));
+  };
+  return above(top) / std::max(above(top / 2), 1.0);
 }
 
 GreyImage dark_level_of(const ImageStatistics& dark) {

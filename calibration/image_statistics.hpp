@@ -26,7 +26,7 @@ class ImageStatistics {
   /// Mean over all pixels and images, and over the pixels' noise.
   double level() const noexcept;
   double mean_noise() const;
-  /// Share of pixels at the highest value that `significant_bits` can hold, in any image.
+  /// Pixels at the highest value that `significant_bits` can hold, in any image, over those above half of it.
   double saturated_share(std::uint32_t significant_bits) const noexcept;
 
  private:

@@ -151,7 +151,9 @@ LatticePeak find_lattice_peak(const GreyImage& image, const std::string& shape, 
       if (const double score = weakest(reciprocal, frequency + df, rotation + dt, exact); score > exact_best)
         exact_best = score, frequency += df, rotation += dt;
   peak.pitch_px = reciprocal.length / frequency, peak.rotation_rad = rotation;
-  peak.significance = exact_best / std::max(ring[ring.size() / 2], 1e-300);
+  const bool inside = peak.pitch_px > 0.99 * shortest_px && peak.pitch_px < 1.01 * longest_px;
+  // Outside: the foot of a peak elsewhere.
+  peak.significance = inside ? exact_best / std::max(ring[ring.size() / 2], 1e-300) : 0;
   const auto vector_of = [&](std::size_t k) {
     const double turn = rotation + reciprocal.turn_rad[k];
     return std::array<double, 2>{frequency * std::cos(turn), frequency * std::sin(turn)};

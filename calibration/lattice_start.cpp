@@ -25,22 +25,26 @@ constexpr double kClearPeak = 5 * kSignificantPeak;  // the search of all period
 }
 
 [[noreturn]] void refuse_no_lattice(const GreyImage& image, const LightFieldCalibration& start,
-                                    const FindOptions& options, double expected_px) {
+                                    const FindOptions& options, double expected_px, double significance) {
+  if (options.particle_images)
+    refuse(options,
+           fmt::format("particles have not lit enough sub-images to show a {} lattice near {:.2f} px (peak {:.1f} "
+                       "times the spectrum round it, {:.0f} needed); give more particle images, or a white image",
+                       start.lenslets.shape, expected_px, significance, kSignificantPeak));
   const auto any =
       find_lattice_peak(image, start.lenslets.shape, 3, std::min(image.width, image.height) / kLeastPeriods);
   if (any.significance > kClearPeak)
-    refuse(
-        options,
-        fmt::format("shows a {} pattern with a period of {:.2f} px = {:.1f} um, but a pitch of {:.6g} um is {:.2f} px; "
-                    "check lenslets.pitch_um, sensor.pixel_um and shape, or take an image without moire (no "
-                    "binning, scaling or colour filter)",
-                    start.lenslets.shape, any.pitch_px, any.pitch_px * start.sensor.pixel_um, start.lenslets.pitch_um,
-                    expected_px));
+    refuse(options,
+           fmt::format("shows a {} pattern with a period of {:.2f} px = {:.1f} um, but a pitch of {:.6g} um is "
+                       "{:.2f} px; check lenslets.pitch_um, sensor.pixel_um and shape, or take an image without "
+                       "moire (no binning, scaling or colour filter)",
+                       start.lenslets.shape, any.pitch_px, any.pitch_px * start.sensor.pixel_um,
+                       start.lenslets.pitch_um, expected_px));
   refuse(options,
-         fmt::format("shows no {} lattice near {:.2f} px: its strongest peak is {:.1f} times the spectrum round "
-                     "it and {:.0f} are needed; take a white image that is neither empty nor out of focus, or "
-                     "give more particle images",
-                     start.lenslets.shape, expected_px, any.significance, kSignificantPeak));
+         fmt::format("shows no {} lattice near {:.2f} px: its strongest peak there is {:.1f} times the spectrum "
+                     "round it and {:.0f} are needed; take a white image that is neither empty nor out of "
+                     "focus, and check pitch and shape",
+                     start.lenslets.shape, expected_px, significance, kSignificantPeak));
 }
 
 }  // namespace
@@ -70,7 +74,7 @@ LatticeStart find_lattice_start(const GreyImage& image, const LightFieldCalibrat
                                 static_cast<double>(*darkest)));
   const double most = options.apparent_scale > 0 ? 2 - kLeast : kMost;
   const auto peak = find_lattice_peak(image, start.lenslets.shape, kLeast * expected_px, most * expected_px);
-  if (peak.significance < kSignificantPeak) refuse_no_lattice(image, start, options, expected_px);
+  if (peak.significance < kSignificantPeak) refuse_no_lattice(image, start, options, expected_px, peak.significance);
   if (peak.subharmonic > kMostSubharmonic)
     refuse(options, fmt::format("shows a lattice of {:.2f} px = {:.1f} um only as part of a coarser one; check "
                                 "lenslets.pitch_um (data sheet: {:.6g} um) and shape",

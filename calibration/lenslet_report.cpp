@@ -49,7 +49,7 @@ std::string to_text(const LensletCalibrationResult& r) {
   const double scatter_px = found.fit.scatter_mm / c.pixel_mm();
   std::string text = fmt::format(
       "sub-images        {} on the sensor, {} fitted; left out: {} area, {} eccentricity, {} residual, {} brightness\n"
-      "residuals         median {:.3f} px, 95 % below {:.3f} px; lattice known to about {:.4f} px\n",
+      "residuals         median {:.3f} px, 95 % below {:.3f} px; random error of the lattice about {:.4f} px\n",
       found.spots.size(), intact, count_of(found, kArea), count_of(found, kEccentricity), count_of(found, kResidual),
       count_of(found, kBrightness), residual.median_px, residual.p95_px,
       scatter_px * std::sqrt(static_cast<double>(found.fit.parameters) /
@@ -70,7 +70,8 @@ std::string to_text(const LensletCalibrationResult& r) {
                         pupil > 0 ? fmt::format("{:.6g} mm", pupil) : "at infinity");
   else if (pupil > 0)
     text += fmt::format(
-        "exit pupil        {:.3f} mm +- {:.3f} (from apparent over data-sheet pitch; 0.1 % of pitch would be {:.1f} "
+        "exit pupil        {:.3f} mm, random error {:.3f} (from apparent over data-sheet pitch; 0.1 % of pitch would "
+        "be {:.1f} "
         "mm)\n",
         pupil, r.exit_pupil_sigma_mm, 1e-3 * pupil * (pupil + c.lenslets.focal_length_mm) / c.lenslets.focal_length_mm);
   else

@@ -46,14 +46,15 @@ void MainLensCalibration::fields(FieldList& list) {
   list.number("image_f_number", image_f_number, 0, 1e4, "f-number of the cone that reaches the array; 0: unknown");
   list.number("focal_length_mm", focal_length_mm, 0, 1e5, "thick lens: effective focal length");
   list.number("array_distance_mm", array_distance_mm, 0, 1e6, "thick lens: array behind the principal plane H2");
-  list.number("magnification", magnification, 0, 1e4, "telecentric, polynomial: lateral magnification");
+  list.number("magnification", magnification, 0, 1e4, "telecentric: lateral magnification");
   list.number("medium_index", medium_index, 1, 3, "refractive index of the medium round the particles");
 }
 
 void PolynomialCalibration::fields(FieldList& list) {
-  list.numbers("image_from_mm", image_from_mm, 0, -1e5, 1e5, "polynomial: lower corner of its box in image space");
-  list.numbers("image_to_mm", image_to_mm, 0, -1e5, 1e5, "polynomial: upper corner");
-  list.numbers("object_x_mm", object_x_mm, 0, -1e9, 1e9, "polynomial: 19 factors (Soloff: third order, second in z)");
+  list.choice("base", base, {"thick_lens", "telecentric"}, "model 'polynomial': the lens that the polynomial corrects");
+  list.numbers("from_mm", from_mm, 0, -1e5, 1e5, "lower corner of the polynomial's box, as the lens alone maps it");
+  list.numbers("to_mm", to_mm, 0, -1e5, 1e5, "upper corner");
+  list.numbers("object_x_mm", object_x_mm, 0, -1e9, 1e9, "19 factors (Soloff: third order, second in z)");
   list.numbers("object_y_mm", object_y_mm, 0, -1e9, 1e9, "the same for y");
   list.numbers("object_z_mm", object_z_mm, 0, -1e9, 1e9, "the same for z");
 }
@@ -90,7 +91,7 @@ double LightFieldCalibration::apparent_scale() const noexcept {
 }
 
 double LightFieldCalibration::magnification() const noexcept {
-  if (lens.model != "thick_lens") return lens.magnification;
+  if (base_model() != "thick_lens") return lens.magnification;
   return lens.array_distance_mm / lens.focal_length_mm - 1;  // eq. (8): s'/s = s'/EFL - 1
 }
 
@@ -117,15 +118,14 @@ constexpr double kMostDistortion = 0.03;
 
 template <class Refuse>
 void validate_polynomial(const PolynomialCalibration& p, const Refuse& refuse) {
-  if (p.image_from_mm.size() != 3 || p.image_to_mm.size() != 3)
-    refuse(
-        "polynomial.image_from_mm or image_to_mm has not 3 numbers; write this file with `rapidptv calibrate volume`");
+  if (p.from_mm.size() != 3 || p.to_mm.size() != 3)
+    refuse("polynomial.from_mm or to_mm has not 3 numbers; write this file with `rapidptv calibrate volume`");
   for (std::size_t k = 0; k < 3; ++k)
-    if (!(p.image_from_mm[k] < p.image_to_mm[k]))
+    if (!(p.from_mm[k] < p.to_mm[k]))
       refuse(
-          fmt::format("polynomial.image_from_mm[{}] = {} is not below image_to_mm; write this file with `rapidptv "
+          fmt::format("polynomial.from_mm[{}] = {} is not below to_mm; write this file with `rapidptv "
                       "calibrate volume`",
-                      k, p.image_from_mm[k]));
+                      k, p.from_mm[k]));
   for (const auto* factors : {&p.object_x_mm, &p.object_y_mm, &p.object_z_mm})
     if (factors->size() != kSoloffTerms)
       refuse(
@@ -156,10 +156,10 @@ void LightFieldCalibration::validate(const std::string& origin) const {
         fmt::format("lenslets.distortion_x_um and _y_um shift lenslets by {:.3g} um, more than {} % of half the "
                     "sensor's diagonal; calibrate again",
                     bend_mm * 1e3, kMostDistortion * 100));
-  if (lens.model != "thick_lens" && !(lens.magnification > 0))
-    refuse(fmt::format("lens.magnification is missing; a {} lens needs it above 0", lens.model));
+  if (base_model() == "telecentric" && !(lens.magnification > 0))
+    refuse("lens.magnification is missing; a telecentric lens needs it above 0");
   if (lens.model == "polynomial") validate_polynomial(polynomial, refuse);
-  if (lens.model == "thick_lens") {
+  if (base_model() == "thick_lens") {
     if (!(lens.focal_length_mm > 0)) refuse("lens.focal_length_mm is missing; a thick lens needs it above 0");
     if (!(lens.array_distance_mm > lens.focal_length_mm))
       refuse(

@@ -43,14 +43,15 @@ struct MainLensCalibration {
   double image_f_number = 0;     ///< distance over diameter of the cone that reaches the array; 0: unknown
   double focal_length_mm = 0;    ///< thick lens: EFL
   double array_distance_mm = 0;  ///< thick lens: array behind the principal plane H2, s'_0
-  double magnification = 0;      ///< telecentric, polynomial: M; the thick lens has its own (s'_0 - EFL)/EFL
+  double magnification = 0;      ///< telecentric: M; the thick lens has its own (s'_0 - EFL)/EFL
   double medium_index = 1;       ///< refractive index of the medium that the particles are in
   void fields(FieldList& list);
 };
 
-/// lens.model = "polynomial": factors of soloff_terms() of the image-space position, scaled to -1 … 1 in its box.
+/// lens.model = "polynomial": the map of `base` followed by soloff_terms() times these factors.
 struct PolynomialCalibration {
-  std::vector<double> image_from_mm, image_to_mm;  ///< box of the correspondences, x, y, z
+  std::string base = "thick_lens";     ///< the lens by its data sheet, that the polynomial corrects: as lens.model
+  std::vector<double> from_mm, to_mm;  ///< box, in the object space of `base`, that the polynomial scales to -1 … 1
   std::vector<double> object_x_mm, object_y_mm, object_z_mm;
   void fields(FieldList& list);
 };
@@ -68,6 +69,8 @@ struct LightFieldCalibration {
 
   double pixel_mm() const noexcept { return sensor.pixel_um * 1e-3; }
   double pitch_mm() const noexcept { return lenslets.pitch_um * 1e-3; }
+  /// lens.model, or what it corrects: "thick_lens" or "telecentric".
+  const std::string& base_model() const noexcept { return lens.model == "polynomial" ? polynomial.base : lens.model; }
   /// Lattice of the lenslets' centres.
   LatticeParameters true_lattice() const;
   /// Column and row of the optical axis, px.

@@ -8,13 +8,18 @@ namespace rptv {
 
 namespace {
 
-std::variant<ThickLens, Telecentric, SoloffPolynomial> model_of(const LightFieldCalibration& calibration) {
-  calibration.validate("the light-field calibration");
+std::variant<ThickLens, Telecentric> lens_of(const LightFieldCalibration& calibration) {
   const auto& lens = calibration.lens;
-  if (lens.model == "polynomial") return SoloffPolynomial(calibration.polynomial);
-  if (lens.model == "telecentric") return Telecentric{lens.magnification, lens.medium_index};
+  if (calibration.base_model() == "telecentric") return Telecentric{lens.magnification, lens.medium_index};
   const double s = lens.focal_length_mm * lens.array_distance_mm / (lens.array_distance_mm - lens.focal_length_mm);
   return ThickLens{lens.focal_length_mm, lens.array_distance_mm, s, lens.medium_index};  // eq. (8)
+}
+
+std::variant<ThickLens, Telecentric, CorrectedLens> model_of(const LightFieldCalibration& calibration) {
+  calibration.validate("the light-field calibration");
+  const auto lens = lens_of(calibration);
+  if (calibration.lens.model == "polynomial") return CorrectedLens{lens, SoloffPolynomial(calibration.polynomial)};
+  return std::visit([](const auto& l) { return std::variant<ThickLens, Telecentric, CorrectedLens>(l); }, lens);
 }
 
 }  // namespace
@@ -54,6 +59,30 @@ Matrix3 Telecentric::jacobian(const Point3&) const noexcept {
 }
 
 double Telecentric::highest_z_mm() const noexcept { return std::numeric_limits<double>::infinity(); }
+
+Point3 CorrectedLens::to_object(const Point3& image) const noexcept {
+  return correction.map(std::visit([&](const auto& l) { return l.to_object(image); }, lens));
+}
+
+Point3 CorrectedLens::to_image(const Point3& object) const noexcept {
+  const Point3 by_the_lens = correction.inverse(object);
+  return std::visit([&](const auto& l) { return l.to_image(by_the_lens); }, lens);
+}
+
+Matrix3 CorrectedLens::jacobian(const Point3& image) const noexcept {
+  const Point3 by_the_lens = std::visit([&](const auto& l) { return l.to_object(image); }, lens);
+  const Matrix3 inner = std::visit([&](const auto& l) { return l.jacobian(image); }, lens);
+  const Matrix3 outer = correction.jacobian(by_the_lens);
+  Matrix3 chained{};
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t column = 0; column < 3; ++column)
+      for (std::size_t k = 0; k < 3; ++k) chained[row][column] += outer[row][k] * inner[k][column];
+  return chained;
+}
+
+double CorrectedLens::highest_z_mm() const noexcept {
+  return std::visit([](const auto& l) { return l.highest_z_mm(); }, lens);
+}
 
 ObjectMap::ObjectMap(const LightFieldCalibration& calibration) : model_(model_of(calibration)) {}
 

@@ -29,6 +29,17 @@ struct Telecentric {
   double highest_z_mm() const noexcept;
 };
 
+/// What a lens by its data sheet gives, corrected by a polynomial through known points: near to the identity, so that
+/// it needs no high order and does not run away outside of them.
+struct CorrectedLens {
+  std::variant<ThickLens, Telecentric> lens;
+  SoloffPolynomial correction;
+  Point3 to_object(const Point3& image) const noexcept;
+  Point3 to_image(const Point3& object) const noexcept;
+  Matrix3 jacobian(const Point3& image) const noexcept;
+  double highest_z_mm() const noexcept;
+};
+
 /// Image space: origin where the axis meets the array, z towards the main lens. Object space: origin at the conjugate
 /// point, x and y parallel to the sensor and not inverted (X_i = -(s'/s)·X; eq. 9 leaves the sign out), z towards the
 /// lens, true depth in a medium of index n behind a plane window: Z = n·(s_0 - s). A polynomial's object space is that
@@ -46,11 +57,11 @@ class ObjectMap {
   /// J·C·Jᵀ.
   Covariance to_object(const Covariance& image, const Matrix3& jacobian) const noexcept;
 
-  /// Images in front of this have no object: the rear focal plane; infinite when telecentric; a polynomial's end.
+  /// Images in front of this have no object: the rear focal plane; infinite when telecentric.
   double highest_z_mm() const noexcept;
 
  private:
-  std::variant<ThickLens, Telecentric, SoloffPolynomial> model_;
+  std::variant<ThickLens, Telecentric, CorrectedLens> model_;
 };
 
 }  // namespace rptv

@@ -82,8 +82,8 @@ SoloffTerms soloff_slopes(const Point3& p, std::size_t axis) noexcept {
 
 SoloffPolynomial::SoloffPolynomial(const PolynomialCalibration& calibration) {
   for (std::size_t d = 0; d < 3; ++d) {
-    middle_[d] = 0.5 * (calibration.image_from_mm.at(d) + calibration.image_to_mm.at(d));
-    half_[d] = 0.5 * (calibration.image_to_mm.at(d) - calibration.image_from_mm.at(d));
+    middle_[d] = 0.5 * (calibration.from_mm.at(d) + calibration.to_mm.at(d));
+    half_[d] = 0.5 * (calibration.to_mm.at(d) - calibration.from_mm.at(d));
   }
   for (std::size_t k = 0; k < kSoloffTerms; ++k) {
     factors_[0][k] = calibration.object_x_mm.at(k);
@@ -92,40 +92,38 @@ SoloffPolynomial::SoloffPolynomial(const PolynomialCalibration& calibration) {
   }
 }
 
-Point3 SoloffPolynomial::scaled(const Point3& image) const noexcept {
-  return {(image[0] - middle_[0]) / half_[0], (image[1] - middle_[1]) / half_[1], (image[2] - middle_[2]) / half_[2]};
+Point3 SoloffPolynomial::scaled(const Point3& at) const noexcept {
+  return {(at[0] - middle_[0]) / half_[0], (at[1] - middle_[1]) / half_[1], (at[2] - middle_[2]) / half_[2]};
 }
 
-Point3 SoloffPolynomial::to_object(const Point3& image) const noexcept {
-  const SoloffTerms terms = soloff_terms(scaled(image));
+Point3 SoloffPolynomial::map(const Point3& at) const noexcept {
+  const SoloffTerms terms = soloff_terms(scaled(at));
   return {sum(factors_[0], terms), sum(factors_[1], terms), sum(factors_[2], terms)};
 }
 
-Matrix3 SoloffPolynomial::jacobian(const Point3& image) const noexcept {
+Matrix3 SoloffPolynomial::jacobian(const Point3& at) const noexcept {
   Matrix3 jacobian{};
   for (std::size_t column = 0; column < 3; ++column) {
-    const SoloffTerms slopes = soloff_slopes(scaled(image), column);
+    const SoloffTerms slopes = soloff_slopes(scaled(at), column);
     for (std::size_t row = 0; row < 3; ++row) jacobian[row][column] = sum(factors_[row], slopes) / half_[column];
   }
   return jacobian;
 }
 
-Point3 SoloffPolynomial::to_image(const Point3& object) const noexcept {
-  Point3 image = middle_;
+Point3 SoloffPolynomial::inverse(const Point3& mapped) const noexcept {
+  Point3 at = middle_;
   constexpr int kSteps = 30;
   for (int step = 0; step < kSteps; ++step) {
-    const Point3 at = to_object(image);
+    const Point3 now = map(at);
     Point3 move{};
-    if (!solve(jacobian(image), {object[0] - at[0], object[1] - at[1], object[2] - at[2]}, move)) break;
+    if (!solve(jacobian(at), {mapped[0] - now[0], mapped[1] - now[1], mapped[2] - now[2]}, move)) break;
     double largest = 0;  // in half boxes; a longer step than one leaves the region where the slope says anything
     for (std::size_t d = 0; d < 3; ++d) largest = std::max(largest, std::abs(move[d]) / half_[d]);
     const double damping = largest > 1 ? 1 / largest : 1;
-    for (std::size_t d = 0; d < 3; ++d) image[d] += damping * move[d];
+    for (std::size_t d = 0; d < 3; ++d) at[d] += damping * move[d];
     if (largest < 1e-13) break;
   }
-  return image;
+  return at;
 }
-
-double SoloffPolynomial::highest_z_mm() const noexcept { return middle_[2] + 1.2 * half_[2]; }
 
 }  // namespace rptv

@@ -17,21 +17,20 @@ using SoloffTerms = std::array<double, kSoloffTerms>;
 SoloffTerms soloff_terms(const Point3& p) noexcept;
 SoloffTerms soloff_slopes(const Point3& p, std::size_t axis) noexcept;
 
-/// From image space to object space by three polynomials of the position in a box. mm. Immutable; any thread.
+/// Three polynomials of a position in a box. mm. Immutable; any thread.
 class SoloffPolynomial {
  public:
   /// `calibration` must have passed LightFieldCalibration::validate().
   explicit SoloffPolynomial(const PolynomialCalibration& calibration);
 
-  Point3 to_object(const Point3& image) const noexcept;
-  Matrix3 jacobian(const Point3& image) const noexcept;
-  /// Newton from the middle of the box; for points whose image is in the box or near it.
-  Point3 to_image(const Point3& object) const noexcept;
-  /// A tenth of the box beyond its upper end: polynomials are not to be trusted far outside.
-  double highest_z_mm() const noexcept;
+  Point3 map(const Point3& at) const noexcept;
+  /// d(map)/d(at).
+  Matrix3 jacobian(const Point3& at) const noexcept;
+  /// Newton from the middle of the box; for points that come from the box or near it.
+  Point3 inverse(const Point3& mapped) const noexcept;
 
  private:
-  Point3 scaled(const Point3& image) const noexcept;
+  Point3 scaled(const Point3& at) const noexcept;
 
   Point3 middle_{}, half_{};
   std::array<SoloffTerms, 3> factors_{};

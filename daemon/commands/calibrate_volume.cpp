@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 
 #include "calibration/fit_volume.hpp"
@@ -11,6 +12,8 @@
 
 namespace rptv {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Options {
   std::string pairs, calibration, output;
@@ -28,8 +31,12 @@ std::string json_of(const Point3& p) {
 ExitCode run(const Options& options) {
   const auto start = read_light_field_calibration(options.calibration);
   const auto pairs = read_correspondences(options.pairs);
-  const VolumeFit fit = fit_volume(pairs, start, options.pairs);
+  VolumeFit fit = fit_volume(pairs, start, options.pairs);
   const VolumeResiduals before = residuals_of(ObjectMap(start), pairs);
+  if (auto& arrays = fit.calibration.lenslets.arrays; !arrays.empty())
+    arrays =
+        fs::proximate(fs::path(options.calibration).parent_path() / arrays, fs::absolute(options.output).parent_path())
+            .string();
   write_light_field_calibration(fit.calibration, options.output);
   if (options.json) {
     std::cout << fmt::format(
@@ -46,9 +53,9 @@ ExitCode run(const Options& options) {
             << fmt::format(", largest {:.5f} mm (point {})\n", fit.residuals.largest, fit.residuals.worst + 1)
             << line_of("left-out points", fit.left_out_rms) << '\n'
             << fmt::format(
-                   "valid in          image space x {:.3g} to {:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} mm\n",
-                   p.image_from_mm[0], p.image_to_mm[0], p.image_from_mm[1], p.image_to_mm[1], p.image_from_mm[2],
-                   p.image_to_mm[2]);
+                   "valid in          object space x {:.3g} to {:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} mm\n",
+                   p.from_mm[0], p.to_mm[0], p.from_mm[1], p.to_mm[1], p.from_mm[2],
+                   p.to_mm[2]);
   std::cerr << "wrote " << options.output << '\n';
   return ExitCode::ok;
 }
