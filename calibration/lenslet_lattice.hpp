@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,6 +50,8 @@ class LensletLattice {
   void lenslets_of(double x_mm, double y_mm, std::span<std::uint32_t> hypotheses) const noexcept;
 
   double pitch_mm() const noexcept { return geometry_.parameters().pitch_mm; }
+  double rotation_cosine() const noexcept { return std::cos(geometry_.parameters().rotation_rad); }
+  double rotation_sine() const noexcept { return std::sin(geometry_.parameters().rotation_rad); }
 
  private:
   void cover_sensor(const LightFieldCalibration& calibration);

@@ -197,7 +197,10 @@ LightFieldCalibration read_light_field_calibration(const std::filesystem::path& 
 
 void write_light_field_calibration(LightFieldCalibration calibration, const std::filesystem::path& file) {
   FieldList list;
-  calibration.fields(list);
+  list.section("sensor", calibration.sensor);
+  list.section("lenslets", calibration.lenslets);
+  list.section("lens", calibration.lens);
+  if (calibration.lens.model == "polynomial") list.section("polynomial", calibration.polynomial);
   std::ofstream stream(file, std::ios::binary);
   stream << to_toml(list, LightFieldCalibration::kSchema);
   if (!stream.flush())

@@ -24,7 +24,7 @@ struct Options {
   std::string start, shape;
   std::string output;
   double pixel_um = 0, pitch_um = 0, focal_mm = 0, f_number = 0, exit_pupil_mm = -1;
-  bool particles = false, json = false;
+  bool particles = false, fit_exit_pupil = false, json = false;
 };
 
 ImageSequence open_images(const std::vector<std::string>& paths) {
@@ -70,6 +70,7 @@ Start read_start(const Options& options, const ImageShape& shape) {
   if (options.f_number > 0) c.lens.image_f_number = options.f_number;
   if (!options.shape.empty()) c.lenslets.shape = options.shape;
   if (options.exit_pupil_mm >= 0) c.lens.exit_pupil_mm = options.exit_pupil_mm;
+  if (options.fit_exit_pupil) c.lens.exit_pupil_mm = -1;
   const auto need = [](bool given, const char* what) {
     if (!given) throw Error(ExitCode::usage, fmt::format("{}, or a --start file with it", what));
   };
@@ -84,7 +85,7 @@ Start read_start(const Options& options, const ImageShape& shape) {
     throw Error(ExitCode::configuration,
                 fmt::format("{}: is for {}x{} px and the images have {}x{}; use the same region of interest",
                             options.start, c.sensor.width_px, c.sensor.height_px, shape.width_px, shape.height_px));
-  if (c.lens.exit_pupil_mm < 0 && c.lens.model == "telecentric") c.lens.exit_pupil_mm = 0;
+  if (c.lens.exit_pupil_mm < 0 && c.lens.model == "telecentric" && !options.fit_exit_pupil) c.lens.exit_pupil_mm = 0;
   start.known.exit_pupil_known = c.lens.exit_pupil_mm >= 0;
   if (!start.known.exit_pupil_known) c.lens.exit_pupil_mm = 0;
   c.lenslets.rotation_deg = 0, c.lenslets.offset_um = {0, 0};
@@ -144,6 +145,10 @@ void add_calibrate_lenslets(CLI::App& calibrate, Action& chosen) {
   command
       ->add_option("--exit-pupil-mm", options->exit_pupil_mm, "exit pupil before the array, if known (0: telecentric)")
       ->check(CLI::Range(0.0, 1e7));
+  command
+      ->add_flag("--fit-exit-pupil", options->fit_exit_pupil,
+                 "fit it from the pitch although --start or the lens tells it")
+      ->excludes("--exit-pupil-mm");
   command->add_option("-o,--output", options->output, "calibration file (TOML); arrays and figures go beside it")
       ->required();
   command->add_flag("--json", options->json, "print the report as one JSON object");

@@ -54,8 +54,7 @@ ExitCode run(const Options& options) {
             << line_of("left-out points", fit.left_out_rms) << '\n'
             << fmt::format(
                    "valid in          object space x {:.3g} to {:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} mm\n",
-                   p.from_mm[0], p.to_mm[0], p.from_mm[1], p.to_mm[1], p.from_mm[2],
-                   p.to_mm[2]);
+                   p.from_mm[0], p.to_mm[0], p.from_mm[1], p.to_mm[1], p.from_mm[2], p.to_mm[2]);
   std::cerr << "wrote " << options.output << '\n';
   return ExitCode::ok;
 }

@@ -141,10 +141,16 @@ TEST(FindLenslets, refuses_images_that_show_nothing_or_something_else) {
 }
 
 TEST(FindLenslets, refuses_moire_by_its_period) {
-  WhiteScene scene;
-  scene.camera = white_camera();
-  scene.camera.lenslets.pitch_um = 315;  // what a grid of 125 um beats to with pixels
-  EXPECT_THAT(refusal_of(draw_white(scene), sheet_of(white_camera())), HasSubstr("moire"));
+  GreyImage image(480, 360);
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 3);
+  for (int row = 0; row < 360; ++row)
+    for (int column = 0; column < 480; ++column)
+      image.at(column, row) =
+          100 + 30 * (std::cos(0.17F * static_cast<float>(column)) + std::cos(0.17F * static_cast<float>(row))) +
+          noise(random);
+  EXPECT_THAT(refusal_of(image, sheet_of(white_camera())), HasSubstr("36.9"));
+  EXPECT_THAT(refusal_of(image, sheet_of(white_camera())), HasSubstr("moire"));
 }
 
 TEST(FindLenslets, particle_images_show_the_lattice_by_which_pixels_are_never_lit) {
