@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "calibration/object_map.hpp"
+#include "core/error.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/daemon/small_run.hpp"
 
