@@ -135,5 +135,21 @@ TEST(PixelsToRays, leaves_out_and_counts_pixels_beyond_its_room) {
   EXPECT_EQ(rays.pixels, 300U);
 }
 
+TEST(PixelsToRays, pixels_of_a_masked_lenslet_give_no_ray) {
+  auto camera = small_camera(120, 90);
+  std::vector<std::uint32_t> lit(120 * 90);
+  for (std::uint32_t i = 0; i < lit.size(); ++i) lit[i] = i;
+  const LensletLattice all(camera);
+  camera.mask = {0, 0, 1, 1, {lenslet_reason::kBrightness}};
+  const LensletLattice masked(camera);
+  Rays before(lit.size(), all.size()), after(lit.size(), masked.size());
+  PixelsToRays(camera, all, 1).convert(lit, before);
+  const PixelsToRays pixels_to_rays(camera, masked, 1);
+  ASSERT_EQ(pixels_to_rays.convert(lit, after), 0U);
+  EXPECT_NEAR(static_cast<double>(before.size - after.size), 14.5 * 14.5, 20);  // one cell
+  for (std::uint32_t l = 0; l < masked.size(); ++l)
+    EXPECT_TRUE(masked.masked(l) == 0 || after.first_of_lenslet[l] == after.first_of_lenslet[l + 1]);
+}
+
 }  // namespace
 }  // namespace rptv
