@@ -22,8 +22,7 @@ double neighbour_distance_mm(const SeedingSettings& seeding) {
 /// A tenth of the grey value that a particle's light gives when spread over its own disc of slopes, above the
 /// background.
 double threshold_dn(const ScenarioSettings& scenario, const LightFieldOptics& optics) {
-  const double disc_px = scenario.lenslets.focal_length_mm * optics.exit_pupil_radius_mm() / optics.exit_pupil_mm() /
-                         (scenario.camera.pixel_um * 1e-3);
+  const double disc_px = scenario.lenslets.focal_length_mm * optics.cone_slope() / (scenario.camera.pixel_um * 1e-3);
   const double grey =
       scenario.seeding.photoelectrons / (std::numbers::pi * disc_px * disc_px + 1.0) / scenario.camera.gain_e_per_dn;
   const double noise =
@@ -43,12 +42,10 @@ double slope_blur_um(const ScenarioSettings& scenario) {
 
 std::string rig_toml(const ScenarioSettings& scenario) {
   const LightFieldOptics optics(scenario);
-  const double half_depth = 0.5 * scenario.seeding.volume_z_mm;
+  const double half_depth = half_depth_mm(scenario);
   const double from = std::floor(optics.image_of({0, 0, half_depth}).z - 1);
   const double to = std::ceil(optics.image_of({0, 0, -half_depth}).z + 1);
-  const double step_mm = (2 * std::numbers::pi * scenario.flow.frequency_hz * scenario.flow.wall_amplitude_mm +
-                          std::hypot(scenario.flow.drift_x_mm_s, scenario.flow.drift_z_mm_s)) /
-                         scenario.rate_hz;
+  const double step_mm = make_flow(scenario)->fastest_mm_s() / scenario.rate_hz;
   const double range_mm = std::max(1.5 * step_mm, 0.9 * neighbour_distance_mm(scenario.seeding));
   return fmt::format(
       "# A configuration for this simulated run: rapidptv run --config rig.toml\n"

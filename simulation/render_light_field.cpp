@@ -15,6 +15,7 @@ constexpr int kOffsets = 32;  // sub-pixel positions of the diffraction kernel
 constexpr std::uint64_t kRayStream = std::uint64_t{1} << 56;
 constexpr std::uint64_t kNoiseStream = std::uint64_t{2} << 56;
 constexpr std::uint64_t kWhiteStream = std::uint64_t{3} << 56;
+constexpr std::uint64_t kDarkStream = std::uint64_t{5} << 56;
 constexpr int kIntegrationSteps = 400;
 
 double fraction(double value) { return value - std::floor(value); }
@@ -56,10 +57,11 @@ LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
     const double pupil_angle = 2 * std::numbers::pi * fraction(n / std::pow(kRoot, 2));
     const double body = std::sqrt(fraction(n / std::pow(kRoot, 3)));
     const double body_angle = 2 * std::numbers::pi * fraction(n / std::pow(kRoot, 4));
-    rays_.push_back({static_cast<float>(pupil * std::cos(pupil_angle)),
-                     static_cast<float>(pupil * std::sin(pupil_angle)), static_cast<float>(body * std::cos(body_angle)),
-                     static_cast<float>(body * std::sin(body_angle))});
+    samples_.push_back(
+        {static_cast<float>(pupil * std::cos(pupil_angle)), static_cast<float>(pupil * std::sin(pupil_angle)),
+         static_cast<float>(body * std::cos(body_angle)), static_cast<float>(body * std::sin(body_angle))});
   }
+  rays_.resize(samples_.size());
   const auto& lenslets = scenario.lenslets;
   const double zero_px = lenslets.wavelength_nm * 1e-6 * lenslets.focal_length_mm / lenslets.pitch_mm /
                          (scenario.camera.pixel_um * 1e-3);  // first zero of the sinc
@@ -71,12 +73,29 @@ LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
     fill_kernel_row((i + 0.5) / kOffsets - 0.5, zero_px, reach_px_, &kernel_[static_cast<std::size_t>(i) * taps]);
 }
 
-bool LightFieldRenderer::in_view(const Vector3& object) const noexcept {
-  const double radius = scenario_.seeding.particle_radius_um * 1e-3 * optics_.magnification(object.z);
-  return optics_.fully_in_view(optics_.image_of(object), radius, 1.0);
+bool LightFieldRenderer::lands_inside(const SensorPoint& at) const noexcept {
+  constexpr double kMargin = 0.5;  // a pixel from the border of the sensor
+  return at.column >= kMargin && at.row >= kMargin && at.column <= shape_.width_px - 1.0 - kMargin &&
+         at.row <= shape_.height_px - 1.0 - kMargin;
+}
+
+bool LightFieldRenderer::in_view(const Vector3& object) noexcept {
+  const double radius = scenario_.seeding.particle_radius_um * 1e-3;
+  if (optics_.lens().is_ideal())
+    return optics_.fully_in_view(optics_.image_of(object), radius * optics_.magnification(object.z), 1.0);
+  optics_.lens().trace(object, radius, samples_, 0, rays_);
+  bool seen = false;
+  for (const ArrayRay& ray : rays_) {
+    if (!(ray.weight > 0)) continue;
+    const auto at = optics_.lenslets().land(ray, optics_.lenslet_at(ray.x_mm, ray.y_mm));
+    if (!lands_inside(optics_.sensor_point(at[0], at[1]))) return false;
+    seen = true;
+  }
+  return seen;
 }
 
 void LightFieldRenderer::add_light(const SensorPoint& at, float photoelectrons) noexcept {
+  if (!(std::abs(at.column) < 1e6 && std::abs(at.row) < 1e6)) return;  // a lost ray is not a number
   const int column = static_cast<int>(std::floor(at.column + 0.5)), row = static_cast<int>(std::floor(at.row + 0.5));
   const int width = static_cast<int>(shape_.width_px), height = static_cast<int>(shape_.height_px);
   if (column < -reach_px_ || row < -reach_px_ || column >= width + reach_px_ || row >= height + reach_px_) return;
@@ -96,25 +115,32 @@ void LightFieldRenderer::add_light(const SensorPoint& at, float photoelectrons) 
   }
 }
 
-void LightFieldRenderer::add_particle(const Vector3& object, Random& random) {
-  const Vector3 centre = optics_.image_of(object);
-  const double body = scenario_.seeding.particle_radius_um * 1e-3 * optics_.magnification(object.z);
-  const double turn = random.uniform(0, 2 * std::numbers::pi);  // no two particles share the quadrature's pattern
-  const double c = std::cos(turn), s = std::sin(turn), pupil = optics_.exit_pupil_radius_mm();
-  const auto share = static_cast<float>(scenario_.seeding.photoelectrons * optics_.brightness(object.z) /
-                                        static_cast<double>(rays_.size()));
-  for (const auto& ray : rays_) {
-    const Vector3 image{centre.x + body * ray.body_x, centre.y + body * ray.body_y, centre.z};
-    add_light(
-        optics_.trace(image, pupil * (c * ray.pupil_x - s * ray.pupil_y), pupil * (s * ray.pupil_x + c * ray.pupil_y)),
-        share);
+void LightFieldRenderer::add_particle(const Vector3& object, double turn_rad) {
+  const double body = scenario_.seeding.particle_radius_um * 1e-3;
+  const double share =
+      scenario_.seeding.photoelectrons * optics_.brightness(object.z) / static_cast<double>(samples_.size());
+  ParticleLight light{0, true};
+  optics_.lens().trace(object, body, samples_, turn_rad, rays_);
+  for (const ArrayRay& ray : rays_) {
+    if (!(ray.weight > 0)) continue;
+    const auto at = optics_.lenslets().land(ray, optics_.lenslet_at(ray.x_mm, ray.y_mm));
+    const SensorPoint point = optics_.sensor_point(at[0], at[1]);
+    add_light(point, static_cast<float>(share * ray.weight));
+    light.photoelectrons += share * ray.weight;
+    light.in_view = light.in_view && lands_inside(point);
   }
+  if (optics_.lens().is_ideal())
+    light.in_view = optics_.fully_in_view(optics_.image_of(object), body * optics_.magnification(object.z), 1.0);
+  light.in_view = light.in_view && light.photoelectrons > 0;
+  lights_.push_back(light);
 }
 
 void LightFieldRenderer::render(std::span<const Tracer> tracers, std::uint64_t frame, std::span<std::byte> pixels) {
   std::fill(expected_.begin(), expected_.end(), 0.0F);
+  lights_.clear();
   Random random(static_cast<std::uint64_t>(scenario_.seed), kRayStream | frame);
-  for (const auto& tracer : tracers) add_particle(tracer.position, random);
+  for (const auto& tracer : tracers)  // turned, so that no two particles share the quadrature's pattern
+    add_particle(tracer.position, random.uniform(0, 2 * std::numbers::pi));
   expose(kNoiseStream | frame, pixels);
 }
 
@@ -122,13 +148,12 @@ void LightFieldRenderer::render_white(double peak, std::span<std::byte> pixels) 
   std::fill(expected_.begin(), expected_.end(), 0.0F);
   const auto& array = scenario_.lenslets;
   const double pitch_px = array.pitch_mm / (scenario_.camera.pixel_um * 1e-3);
-  const double disc_px = std::numbers::pi * std::pow(pitch_px * array.focal_length_mm / array.pitch_mm *
-                                                         optics_.exit_pupil_radius_mm() / optics_.exit_pupil_mm(),
-                                                     2);
+  const double disc_px =
+      std::numbers::pi * std::pow(array.focal_length_mm * optics_.cone_slope() / (scenario_.camera.pixel_um * 1e-3), 2);
   const double full =
       (std::pow(2.0, static_cast<double>(scenario_.camera.bits)) - 1 - scenario_.camera.black_level_dn) *
       scenario_.camera.gain_e_per_dn;
-  const auto share = static_cast<float>(peak * full * std::max(1.0, disc_px) / static_cast<double>(rays_.size()));
+  const double share = peak * full * std::max(1.0, disc_px) / static_cast<double>(samples_.size());
   const double half_diagonal = 0.5 * scenario_.camera.pixel_um * 1e-3 * std::hypot(shape_.width_px, shape_.height_px);
   const long reach =
       std::lround((half_diagonal + std::hypot(array.offset_x_mm, array.offset_y_mm)) / array.pitch_mm) + 2;
@@ -139,14 +164,20 @@ void LightFieldRenderer::render_white(double peak, std::span<std::byte> pixels) 
           spot.row > shape_.height_px + pitch_px)
         continue;
       const auto centre = optics_.lenslet_centre({u, v});
-      const double cell = 0.499 * array.pitch_mm;  // rays meet the disc inside the cell, so trace() stays in it
-      for (const auto& ray : rays_) {
-        const Vector3 point{centre[0] + cell * ray.body_x, centre[1] + cell * ray.body_y, 0};
-        const double pupil = optics_.exit_pupil_radius_mm();
-        add_light(optics_.trace(point, pupil * ray.pupil_x, pupil * ray.pupil_y), share);
+      constexpr double kCell = 0.5;  // rays meet the disc inside the cell
+      optics_.lens().white(centre[0], centre[1], kCell * array.pitch_mm, samples_, rays_);
+      for (const ArrayRay& ray : rays_) {
+        if (!(ray.weight > 0)) continue;
+        const auto at = optics_.lenslets().land(ray, {u, v});
+        add_light(optics_.sensor_point(at[0], at[1]), static_cast<float>(share * ray.weight));
       }
     }
   expose(kWhiteStream, pixels);
+}
+
+void LightFieldRenderer::render_dark(std::span<std::byte> pixels) {
+  std::fill(expected_.begin(), expected_.end(), static_cast<float>(-scenario_.camera.background_e));
+  expose(kDarkStream, pixels);
 }
 
 void LightFieldRenderer::render_background(std::span<std::byte> pixels) const {

@@ -5,8 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "core/json.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/simulated_run.hpp"
+#include "simulation/camera_report.hpp"
 
 namespace rptv {
 namespace {
@@ -15,7 +17,7 @@ struct SimulateOptions {
   std::string out, scenario;
   std::vector<std::string> set;
   unsigned threads = 0;
-  bool show = false, json = false;
+  bool show = false, describe = false, json = false;
 };
 
 ScenarioSettings resolve(const SimulateOptions& options) {
@@ -36,20 +38,28 @@ ExitCode simulate(const SimulateOptions& options) {
     std::cout << to_toml(fields, kScenarioSchema);
     return ExitCode::ok;
   }
+  if (options.describe) {
+    std::cout << describe_camera(scenario);
+    return ExitCode::ok;
+  }
   if (options.out.empty())
     throw Error(ExitCode::usage, "no folder to write to; give --out DIR (or --show the scenario)");
   const auto report = write_simulated_run(scenario, {options.out, options.threads});
   if (options.json)
     std::cout << fmt::format(
-        R"({{"folder":"{}","frames":{},"particles_per_frame":{},"in_view_per_frame":{},"bytes":{},"elapsed_s":{}}})"
+        R"({{"folder":{},"frames":{},"particles_per_frame":{},"in_view_per_frame":{},"bytes":{},"rays":{},"frames_elapsed_s":{},"elapsed_s":{}}})"
         "\n",
-        options.out, report.frames, report.particles_per_frame, report.in_view_per_frame, report.bytes,
-        report.elapsed_s);
+        json_string(options.out), report.frames, report.particles_per_frame, report.in_view_per_frame, report.bytes,
+        report.rays, report.frames_elapsed_s, report.elapsed_s);
   else
     std::cerr << fmt::format(
-        "{} frames in {:.1f} s ({:.1f} MB); per frame {:.0f} particles, {:.0f} of them fully in view\n"
+        "{} frames in {:.1f} s ({:.1f} MB), {:.1f} images/s, {:.1f} million rays/s; per frame {:.0f} particles, {:.0f} "
+        "of "
+        "them fully in view\n"
         "next: rapidptv run --config {}/rig.toml --tracks tracks.csv\n",
-        report.frames, report.elapsed_s, 1e-6 * static_cast<double>(report.bytes), report.particles_per_frame,
+        report.frames, report.elapsed_s, 1e-6 * static_cast<double>(report.bytes),
+        static_cast<double>(report.frames) / report.frames_elapsed_s,
+        1e-6 * static_cast<double>(report.rays) / report.frames_elapsed_s, report.particles_per_frame,
         report.in_view_per_frame, options.out);
   return ExitCode::ok;
 }
@@ -64,11 +74,15 @@ void add_simulate(CLI::App& app, Action& chosen) {
   command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
   command->add_option("--threads", options->threads, "threads that render; 0: one per processor");
   command->add_flag("--show", options->show, "print the scenario as TOML, with every setting explained, and stop");
+  command->add_flag("--describe", options->describe, "print what lens, array and camera amount to, and stop");
   command->add_flag("--json", options->json, "print a summary as one JSON object");
   command->footer(
       "Examples:\n"
       "  rapidptv simulate --out run\n"
       "  rapidptv simulate --out run --set frames=100 --set flow.frequency_hz=10 --set seed=7\n"
+      "  rapidptv simulate --out random --set flow.kind=random --set frames=20 --set seeding.per_lenslet=0.1\n"
+      "  rapidptv simulate --describe --set main_lens.model=prescription --set main_lens.magnification=1 \\\n"
+      "      --set main_lens.prescription=double_gauss_f2 --set main_lens.stop_radius_mm=1.063\n"
       "  rapidptv simulate --show > scenario.toml && rapidptv simulate --scenario scenario.toml --out run");
   command->callback([options, &chosen] { chosen = [options] { return simulate(*options); }; });
 }
