@@ -5,8 +5,9 @@
 namespace rptv {
 
 void FlowSettings::fields(FieldList& list) {
-  list.choice("kind", kind, {"oscillating_wall", "duct", "layers", "random"},
-              "what moves the particles: the wall below, [duct], nothing ([layers]), or new positions in every frame");
+  list.choice("kind", kind, {"oscillating_wall", "duct", "layers", "random", "table"},
+              "what moves the particles: the wall below, [duct], nothing ([layers]), chance, or a table of positions");
+  list.text("table", table, "kind table: points or tracks (CSV) of every frame, object space, mm");
   list.number("wall_y_mm", wall_y_mm, -1e3, 1e3, "height of the wall, mm; the fluid is above it");
   list.number("wall_amplitude_mm", wall_amplitude_mm, 0, 1e2, "displacement amplitude of the wall along x, mm");
   list.number("frequency_hz", frequency_hz, 1e-3, 1e5, "frequency of the wall, Hz");

@@ -12,7 +12,8 @@ namespace rptv {
 /// What moves the particles. The lengths and rates here are those of the wall at y = wall_y_mm that oscillates along x;
 /// fluid above it (y > wall_y_mm): Stokes' second problem plus a uniform drift.
 struct FlowSettings {
-  std::string kind = "oscillating_wall";  ///< or "duct", "layers" (still), "random" (new positions in every frame)
+  std::string kind = "oscillating_wall";  ///< or "duct", "layers" (still), "random" (new in every frame), "table"
+  std::string table;                      ///< points or tracks table of positions, frame by frame
   double wall_y_mm = -3.5;
   double wall_amplitude_mm = 0.3;  ///< displacement amplitude A of the wall; velocity amplitude U = A w
   double frequency_hz = 5.0;

@@ -6,22 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "simulation/quadrature.hpp"
+
 namespace rptv {
 
 namespace {
 constexpr std::size_t kConvergenceRays = 400;
-}
-
-std::vector<RaySample> even_pupil(std::size_t count) {
-  std::vector<RaySample> samples(count);
-  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (std::size_t i = 0; i < count; ++i) {
-    const double radius = std::sqrt((static_cast<double>(i) + 0.5) / static_cast<double>(count));
-    const double angle = golden * static_cast<double>(i);
-    samples[i].pupil_x = static_cast<float>(radius * std::cos(angle));
-    samples[i].pupil_y = static_cast<float>(radius * std::sin(angle));
-  }
-  return samples;
 }
 
 LightFieldOptics::LightFieldOptics(const ScenarioSettings& scenario)
@@ -38,7 +28,7 @@ double LightFieldOptics::brightness(double object_z_mm) const noexcept {
 
 std::optional<Vector3> LightFieldOptics::convergence(const Vector3& object) const {
   if (lens_->is_ideal()) return image_of(object);
-  static const std::vector<RaySample> samples = even_pupil(kConvergenceRays);
+  static const std::vector<RaySample> samples = lenslet_samples(kConvergenceRays);
   std::vector<ArrayRay> rays(samples.size());
   lens_->trace(object, 0, samples, 0, rays);
   double w = 0, x = 0, y = 0, sx = 0, sy = 0;

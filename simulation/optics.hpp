@@ -67,7 +67,4 @@ class LightFieldOptics {
   double pixel_mm_, width_, height_;
 };
 
-/// `count` points that cover the unit disc evenly (sunflower spiral, Vogel 1979); the particle's disc is a point.
-std::vector<RaySample> even_pupil(std::size_t count);
-
 }  // namespace rptv

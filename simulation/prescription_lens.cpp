@@ -130,9 +130,10 @@ void PrescriptionLens::trace(const Vector3& object, double body_mm, std::span<co
     LensRay ray = aimed(object.x + body_mm * sample.body_x, object.y + body_mm * sample.body_y, object_z_mm_ + object.z,
                         c * sample.pupil_x - s * sample.pupil_y, s * sample.pupil_x + c * sample.pupil_y);
     rays[i].weight = 0;
+    const double cosine = ray.n;  // of a particle that shines evenly: the pupil is seen under cos^3 of its own area
     if (!system_.tracer.forward(ray)) continue;
     const double slope_x = ray.l / ray.n, slope_y = ray.m / ray.n, length = array_z_mm_ - ray.z;
-    rays[i] = {ray.x + length * slope_x, ray.y + length * slope_y, slope_x, slope_y, weight};
+    rays[i] = {ray.x + length * slope_x, ray.y + length * slope_y, slope_x, slope_y, weight * cosine * cosine * cosine};
   }
 }
 
@@ -145,7 +146,7 @@ void PrescriptionLens::white(double x_mm, double y_mm, double reach_mm, std::spa
     const LensRay start = aimed(x, y, array_z_mm_, stop * sample.pupil_x, stop * sample.pupil_y);
     LensRay ray = start;
     rays[i] = {x, y, start.l / start.n, start.m / start.n, 0};
-    if (system_.tracer.backward(ray)) rays[i].weight = weight * std::pow(start.n, 4);  // even radiance: cos^4
+    if (system_.tracer.backward(ray)) rays[i].weight = weight * std::pow(start.n, 4);  // even radiance
   }
 }
 

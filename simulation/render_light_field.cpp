@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays from the exit pupil through a particle's image to lenslet and sensor; diffraction; Poisson and read noise.
+// Rays through main lens and lenslet to the sensor, and diffraction.
 #include "simulation/render_light_field.hpp"
 
 #include <algorithm>
@@ -18,8 +18,6 @@ constexpr std::uint64_t kWhiteStream = std::uint64_t{3} << 56;
 constexpr std::uint64_t kDarkStream = std::uint64_t{5} << 56;
 constexpr int kIntegrationSteps = 400;
 
-double fraction(double value) { return value - std::floor(value); }
-
 /// sinc^2 of a square lenslet integrated over pixels, for light that falls `offset` px right of a pixel's centre.
 void fill_kernel_row(double offset, double zero_px, int reach, float* row) {
   double sum = 0;
@@ -36,11 +34,6 @@ void fill_kernel_row(double offset, double zero_px, int reach, float* row) {
   for (int tap = 0; tap <= 2 * reach; ++tap) row[tap] = static_cast<float>(row[tap] / sum);
 }
 
-template <class Pixel>
-Pixel to_grey(double value, double full_scale) noexcept {
-  return static_cast<Pixel>(std::lrint(std::clamp(value, 0.0, full_scale)));
-}
-
 }  // namespace
 
 LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
@@ -48,19 +41,9 @@ LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
       optics_(scenario),
       shape_{static_cast<std::uint32_t>(scenario.camera.width_px),
              static_cast<std::uint32_t>(scenario.camera.height_px), scenario.camera.bits > 8 ? 2U : 1U},
+      exposure_(scenario),
+      samples_(particle_samples(static_cast<std::size_t>(scenario.rays_per_particle))),
       expected_(shape_.pixels()) {
-  // R4 low-discrepancy sequence: powers of the root of x^5 = x + 1, mapped to two discs.
-  constexpr double kRoot = 1.1673039782614187;
-  for (std::int64_t i = 0; i < scenario.rays_per_particle; ++i) {
-    const auto n = static_cast<double>(i) + 0.5;
-    const double pupil = std::sqrt(fraction(n / kRoot));
-    const double pupil_angle = 2 * std::numbers::pi * fraction(n / std::pow(kRoot, 2));
-    const double body = std::sqrt(fraction(n / std::pow(kRoot, 3)));
-    const double body_angle = 2 * std::numbers::pi * fraction(n / std::pow(kRoot, 4));
-    samples_.push_back(
-        {static_cast<float>(pupil * std::cos(pupil_angle)), static_cast<float>(pupil * std::sin(pupil_angle)),
-         static_cast<float>(body * std::cos(body_angle)), static_cast<float>(body * std::sin(body_angle))});
-  }
   rays_.resize(samples_.size());
   const auto& lenslets = scenario.lenslets;
   const double zero_px = lenslets.wavelength_nm * 1e-6 * lenslets.focal_length_mm / lenslets.pitch_mm /
@@ -141,86 +124,47 @@ void LightFieldRenderer::render(std::span<const Tracer> tracers, std::uint64_t f
   Random random(static_cast<std::uint64_t>(scenario_.seed), kRayStream | frame);
   for (const auto& tracer : tracers)  // turned, so that no two particles share the quadrature's pattern
     add_particle(tracer.position, random.uniform(0, 2 * std::numbers::pi));
-  expose(kNoiseStream | frame, pixels);
+  exposure_.expose(expected_, kNoiseStream | frame, pixels);
 }
 
 void LightFieldRenderer::render_white(double peak, std::span<std::byte> pixels) {
   std::fill(expected_.begin(), expected_.end(), 0.0F);
   const auto& array = scenario_.lenslets;
-  const double pitch_px = array.pitch_mm / (scenario_.camera.pixel_um * 1e-3);
-  const double disc_px =
-      std::numbers::pi * std::pow(array.focal_length_mm * optics_.cone_slope() / (scenario_.camera.pixel_um * 1e-3), 2);
-  const double full =
-      (std::pow(2.0, static_cast<double>(scenario_.camera.bits)) - 1 - scenario_.camera.black_level_dn) *
-      scenario_.camera.gain_e_per_dn;
-  const double share = peak * full * std::max(1.0, disc_px) / static_cast<double>(samples_.size());
+  const double pixel_mm = scenario_.camera.pixel_um * 1e-3, pitch_px = array.pitch_mm / pixel_mm;
+  const double radius_px = array.focal_length_mm * optics_.cone_slope() / pixel_mm;
+  const double disc_px = std::max(1.0, std::numbers::pi * radius_px * radius_px);
+  constexpr double kRaysPerPixel = 12, kFewestRays = 128, kMostRays = 4096;  // per lenslet
+  const auto samples =
+      lenslet_samples(static_cast<std::size_t>(std::clamp(kRaysPerPixel * disc_px, kFewestRays, kMostRays)));
+  std::vector<ArrayRay> rays(samples.size());
+  const double overlap = std::max(1.0, disc_px / (pitch_px * pitch_px));  // as many lenslets light a pixel
+  const double share = peak * exposure_.full_well_e() * disc_px / overlap / static_cast<double>(samples.size());
   const double half_diagonal = 0.5 * scenario_.camera.pixel_um * 1e-3 * std::hypot(shape_.width_px, shape_.height_px);
   const long reach =
-      std::lround((half_diagonal + std::hypot(array.offset_x_mm, array.offset_y_mm)) / array.pitch_mm) + 2;
+      std::lround((half_diagonal + std::hypot(array.offset_x_mm, array.offset_y_mm) + radius_px * pixel_mm) /
+                  array.pitch_mm) +
+      2;
+  const double margin = pitch_px + radius_px;
   for (long v = -reach; v <= reach; ++v)
     for (long u = -reach; u <= reach; ++u) {
       const auto spot = optics_.white_spot({u, v});
-      if (spot.column < -pitch_px || spot.row < -pitch_px || spot.column > shape_.width_px + pitch_px ||
-          spot.row > shape_.height_px + pitch_px)
+      if (spot.column < -margin || spot.row < -margin || spot.column > shape_.width_px + margin ||
+          spot.row > shape_.height_px + margin)
         continue;
       const auto centre = optics_.lenslet_centre({u, v});
       constexpr double kCell = 0.5;  // rays meet the disc inside the cell
-      optics_.lens().white(centre[0], centre[1], kCell * array.pitch_mm, samples_, rays_);
-      for (const ArrayRay& ray : rays_) {
+      optics_.lens().white(centre[0], centre[1], kCell * array.pitch_mm, samples, rays);
+      for (const ArrayRay& ray : rays) {
         if (!(ray.weight > 0)) continue;
         const auto at = optics_.lenslets().land(ray, {u, v});
         add_light(optics_.sensor_point(at[0], at[1]), static_cast<float>(share * ray.weight));
       }
     }
-  expose(kWhiteStream, pixels);
+  exposure_.expose(expected_, kWhiteStream, pixels);
 }
 
-void LightFieldRenderer::render_dark(std::span<std::byte> pixels) {
-  std::fill(expected_.begin(), expected_.end(), static_cast<float>(-scenario_.camera.background_e));
-  expose(kDarkStream, pixels);
-}
+void LightFieldRenderer::render_dark(std::span<std::byte> pixels) const { exposure_.expose_dark(kDarkStream, pixels); }
 
-void LightFieldRenderer::render_background(std::span<std::byte> pixels) const {
-  const auto& camera = scenario_.camera;
-  const double full_scale = std::pow(2.0, static_cast<double>(camera.bits)) - 1;
-  const double value = camera.black_level_dn + camera.background_e / camera.gain_e_per_dn;
-  if (shape_.bytes_per_pixel == 1)
-    std::fill_n(reinterpret_cast<std::uint8_t*>(pixels.data()), shape_.pixels(),
-                to_grey<std::uint8_t>(value, full_scale));
-  else
-    std::fill_n(reinterpret_cast<std::uint16_t*>(pixels.data()), shape_.pixels(),
-                to_grey<std::uint16_t>(value, full_scale));
-}
-
-void LightFieldRenderer::expose(std::uint64_t stream, std::span<std::byte> pixels) const {
-  if (shape_.bytes_per_pixel == 1)
-    expose_as(stream, reinterpret_cast<std::uint8_t*>(pixels.data()));
-  else
-    expose_as(stream, reinterpret_cast<std::uint16_t*>(pixels.data()));
-}
-
-template <class Pixel>
-void LightFieldRenderer::expose_as(std::uint64_t stream, Pixel* pixels) const {
-  const auto& camera = scenario_.camera;
-  const double full_scale = std::pow(2.0, static_cast<double>(camera.bits)) - 1;
-  const double per_electron = 1.0 / camera.gain_e_per_dn;
-  if (!camera.noise) {
-    for (std::size_t i = 0; i < expected_.size(); ++i)
-      pixels[i] =
-          to_grey<Pixel>((expected_[i] + camera.background_e) * per_electron + camera.black_level_dn, full_scale);
-    return;
-  }
-  Random random(static_cast<std::uint64_t>(scenario_.seed), stream);
-  const float* normal = normal_table();
-  std::uint64_t four = 0;
-  for (std::size_t i = 0; i < expected_.size(); ++i) {
-    if (i % 4 == 0) four = random.bits();
-    const double mean = static_cast<double>(expected_[i]) + camera.background_e;
-    const double electrons = mean > 0 ? random.poisson(mean) : 0.0;
-    const double read = camera.read_noise_e * static_cast<double>(normal[four & 0xffff]);
-    four >>= 16;
-    pixels[i] = to_grey<Pixel>((electrons + read) * per_electron + camera.black_level_dn, full_scale);
-  }
-}
+void LightFieldRenderer::render_background(std::span<std::byte> pixels) const { exposure_.mean_without_light(pixels); }
 
 }  // namespace rptv

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/image.hpp"
+#include "simulation/exposure.hpp"
 #include "simulation/optics.hpp"
+#include "simulation/quadrature.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scenario.hpp"
 #include "simulation/tracers.hpp"
@@ -35,7 +37,7 @@ class LightFieldRenderer {
   /// Evenly lit exit pupil: one spot per lenslet, `peak` of full scale, with noise.
   void render_white(double peak, std::span<std::byte> pixels);
   /// No light at all: black level and read noise.
-  void render_dark(std::span<std::byte> pixels);
+  void render_dark(std::span<std::byte> pixels) const;
   /// Mean image without particles: black level and stray light, rounded, no noise.
   void render_background(std::span<std::byte> pixels) const;
   /// Whole image of the particle is on the sensor, a pixel from the border.
@@ -52,13 +54,11 @@ class LightFieldRenderer {
   void add_particle(const Vector3& object, double turn_rad);
   bool lands_inside(const SensorPoint& at) const noexcept;
   void add_light(const SensorPoint& at, float photoelectrons) noexcept;
-  void expose(std::uint64_t stream, std::span<std::byte> pixels) const;
-  template <class Pixel>
-  void expose_as(std::uint64_t stream, Pixel* pixels) const;
 
   ScenarioSettings scenario_;
   LightFieldOptics optics_;
   ImageShape shape_;
+  Exposure exposure_;
   std::vector<RaySample> samples_;
   std::vector<ArrayRay> rays_;  ///< workspace, one per sample
   std::vector<ParticleLight> lights_;

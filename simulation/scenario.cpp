@@ -30,8 +30,11 @@ ScenarioSettings read_scenario(const std::filesystem::path& file) {
   FieldList list;
   scenario.fields(list);
   read_toml_file(file, "scenario", kScenarioSchema, list);
-  std::string& lens = scenario.main_lens.prescription;
-  if (lens.ends_with(".toml")) lens = std::filesystem::absolute(file.parent_path() / lens).lexically_normal();
+  const auto beside = [&](std::string& path) {  // paths in the file count from its folder
+    path = std::filesystem::absolute(file.parent_path() / path).lexically_normal();
+  };
+  if (scenario.main_lens.prescription.ends_with(".toml")) beside(scenario.main_lens.prescription);
+  if (!scenario.flow.table.empty()) beside(scenario.flow.table);
   check_scenario(scenario, file.string());
   return scenario;
 }
@@ -47,6 +50,8 @@ class Check {
     if (scenario_.flow.kind == "oscillating_wall" && scenario_.flow.wall_y_mm >= 0.5 * box.volume_y_mm)
       fail(fmt::format("flow.wall_y_mm {} is above the box, which ends at y = {} mm: no fluid is left; lower the wall",
                        scenario_.flow.wall_y_mm, 0.5 * box.volume_y_mm));
+    if (scenario_.flow.kind == "table" && scenario_.flow.table.empty())
+      fail("flow.table is missing; give a points or tracks table (CSV)");
     if (scenario_.flow.kind == "layers" && scenario_.layers.z_mm.empty())
       fail("layers.z_mm is empty: no layer to see; give one height per layer");
   }

@@ -23,7 +23,9 @@ struct Extent {
 Tracers::Tracers(const ScenarioSettings& scenario)
     : scenario_(scenario), flow_(make_flow(scenario)), half_depth_(half_depth_mm(scenario)) {
   if (scenario.flow.kind == "random") return;
-  if (scenario.flow.kind == "layers")
+  if (scenario.flow.kind == "table")
+    read_table();
+  else if (scenario.flow.kind == "layers")
     seed_layers();
   else
     seed_box();
@@ -66,6 +68,15 @@ void Tracers::seed_box() {
   }
 }
 
+void Tracers::read_table() {
+  const Measurement table = read_measurement(scenario_.flow.table);
+  for (const TrackRow& row : table.rows) {
+    auto& frame = table_[row.frame];
+    const std::uint64_t particle = table.linked ? row.particle : frame.size();
+    frame.push_back({particle, row.age, {row.x_mm, row.y_mm, row.z_mm}, {row.vx_mm_s, row.vy_mm_s, row.vz_mm_s}});
+  }
+}
+
 bool Tracers::is_lit(std::size_t tracer, double time_s) const noexcept {
   const Vector3 &rest = rest_[tracer], &drift = drift_[tracer];
   return std::abs(rest.x + drift.x * time_s) <= 0.5 * scenario_.seeding.volume_x_mm &&
@@ -89,6 +100,10 @@ std::vector<Tracer> Tracers::random_positions(std::uint64_t frame) const {
 
 std::vector<Tracer> Tracers::lit(std::uint64_t frame) const {
   if (scenario_.flow.kind == "random") return random_positions(frame);
+  if (scenario_.flow.kind == "table") {
+    const auto found = table_.find(frame);
+    return found == table_.end() ? std::vector<Tracer>{} : found->second;
+  }
   std::vector<Tracer> tracers;
   tracers.reserve(rest_.size());
   const double t = time_s(frame);

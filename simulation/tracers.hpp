@@ -2,6 +2,7 @@
 // The particles of a scenario: where each one is at any time, and while which frames it is lit.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -21,10 +22,11 @@ struct Tracer {
 
 /// Uniform in the lit box at every time: the seeding reaches upstream as far as the drift carries particles during the
 /// run. A particle is lit while its rest position (without the swing) is in the box, so that the swing never cuts one
-/// in two. Layers and random positions do not move; the latter are new particles in every frame. Immutable after
-/// construction; any thread.
+/// in two. Layers and random positions do not move; the latter are new particles in every frame. A table gives
+/// positions (and velocities, when it has them) as they are. Immutable after construction; any thread.
 class Tracers {
  public:
+  /// Throws Error(no_input, bad_data) when a table of positions cannot be read.
   explicit Tracers(const ScenarioSettings& scenario);
   double time_s(std::uint64_t frame) const noexcept { return static_cast<double>(frame) / scenario_.rate_hz; }
   /// The lit particles of a frame, by rising identity.
@@ -35,6 +37,7 @@ class Tracers {
  private:
   void seed_layers();
   void seed_box();
+  void read_table();
   bool is_lit(std::size_t tracer, double time_s) const noexcept;
   std::vector<Tracer> random_positions(std::uint64_t frame) const;
 
@@ -43,6 +46,7 @@ class Tracers {
   double half_depth_;                  ///< of the lit box, along z
   std::vector<Vector3> rest_, drift_;  ///< positions at t = 0, mean velocities
   std::vector<std::uint64_t> first_lit_;
+  std::map<std::uint64_t, std::vector<Tracer>> table_;  ///< by frame
 };
 
 /// Truth row of a tracer; `in_view` is for the caller to fill.
