@@ -6,11 +6,11 @@
 
 namespace rptv {
 
-/// u(y, z) along x in |y| <= width/2, |z| <= height/2: the series of Boussinesq (White, Viscous Fluid Flow, eq. 3-48),
+/// u(y, z) along x in |y| <= width/2, |z| <= height/2: Boussinesq's series (White, Viscous Fluid Flow, eq. 3-48),
 /// scaled so that the flow rate is the scenario's. Zero on the walls and outside.
 class DuctFlow : public Flow {
  public:
-  /// `terms` of the series: odd orders 1, 3, … The default leaves less than 1e-6 of the mean velocity.
+  /// `terms` of the series: odd orders 1, 3, … The default leaves less than 1e-5 of the mean velocity.
   explicit DuctFlow(const DuctSettings& duct, int terms = 60);
 
   double velocity_mm_s(double y_mm, double z_mm) const noexcept;

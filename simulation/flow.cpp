@@ -25,9 +25,9 @@ Vector3 OscillatingWallFlow::position(const Vector3& rest, double time_s) const 
   return {rest.x + swing + settings_.drift_x_mm_s * time_s, rest.y, rest.z + settings_.drift_z_mm_s * time_s};
 }
 
-Vector3 OscillatingWallFlow::velocity(const Vector3& rest, double time_s) const noexcept {
+Vector3 OscillatingWallFlow::velocity(double y_mm, double time_s) const noexcept {
   const double w = omega_rad_s();
-  return {amplitude_mm(rest.y) * w * std::cos(w * time_s + phase_rad(rest.y)) + settings_.drift_x_mm_s, 0.0,
+  return {amplitude_mm(y_mm) * w * std::cos(w * time_s + phase_rad(y_mm)) + settings_.drift_x_mm_s, 0.0,
           settings_.drift_z_mm_s};
 }
 

@@ -57,7 +57,9 @@ class OscillatingWallFlow : public Flow {
   double amplitude_mm(double y_mm) const noexcept;
   double phase_rad(double y_mm) const noexcept;
   Vector3 position(const Vector3& rest, double time_s) const noexcept override;
-  Vector3 velocity(const Vector3& rest, double time_s) const noexcept override;
+  Vector3 velocity(const Vector3& rest, double time_s) const noexcept override { return velocity(rest.y, time_s); }
+  /// Velocity at height y and time t.
+  Vector3 velocity(double y_mm, double time_s) const noexcept;
   Vector3 drift(const Vector3&) const noexcept override { return largest_drift(); }
   Vector3 largest_drift() const noexcept override { return {settings_.drift_x_mm_s, 0, settings_.drift_z_mm_s}; }
   double fastest_mm_s() const noexcept override;

@@ -51,6 +51,25 @@ TEST(Scenario, refuses_a_wall_above_the_fluid) {
   EXPECT_THAT(message_of([&] { check_scenario(scenario, "high.toml"); }), testing::HasSubstr("no fluid is left"));
 }
 
+TEST(Scenario, refuses_lenses_that_are_told_half) {
+  ScenarioSettings scenario;
+  scenario.main_lens.model = "prescription";
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("prescription is missing"));
+  scenario.main_lens.prescription = "double_gauss_f2";
+  scenario.main_lens.rim_z_mm = {1};
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("one radius per rim"));
+  scenario.main_lens.model = "aplanat";
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("magnification is missing"));
+  scenario.main_lens.magnification = 20;
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("window_mm 0.1 is nearer"));
+}
+
+TEST(Scenario, refuses_a_table_without_its_name) {
+  ScenarioSettings scenario;
+  scenario.flow.kind = "table";
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("flow.table is missing"));
+}
+
 TEST(Scenario, refuses_a_file_that_is_not_there) {
   EXPECT_THROW(read_scenario(testing::TempDir() + "/no_such_scenario.toml"), Error);
 }
