@@ -9,6 +9,7 @@
 #include "daemon/commands/command.hpp"
 #include "daemon/simulated_run.hpp"
 #include "simulation/camera_report.hpp"
+#include "simulation/shipped_file.hpp"
 
 namespace rptv {
 namespace {
@@ -17,12 +18,12 @@ struct SimulateOptions {
   std::string out, scenario;
   std::vector<std::string> set;
   unsigned threads = 0;
-  bool show = false, describe = false, json = false;
+  bool list = false, show = false, describe = false, json = false;
 };
 
 ScenarioSettings resolve(const SimulateOptions& options) {
   ScenarioSettings scenario;
-  if (!options.scenario.empty()) scenario = read_scenario(options.scenario);
+  if (!options.scenario.empty()) scenario = read_scenario(find_shipped("scenarios", options.scenario));
   FieldList fields;
   scenario.fields(fields);
   for (const auto& assignment : options.set) set_field(fields, assignment);
@@ -31,6 +32,10 @@ ScenarioSettings resolve(const SimulateOptions& options) {
 }
 
 ExitCode simulate(const SimulateOptions& options) {
+  if (options.list) {
+    for (const std::string& name : shipped_names("scenarios")) std::cout << name << '\n';
+    return ExitCode::ok;
+  }
   ScenarioSettings scenario = resolve(options);
   if (options.show) {
     FieldList fields;
@@ -70,7 +75,9 @@ void add_simulate(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = app.add_subcommand("simulate", "Make images of a simulated flow, with the truth beside them");
   command->add_option("-o,--out", options->out, "folder to write: frames/, truth.csv, calibration.toml, rig.toml, …");
-  command->add_option("--scenario", options->scenario, "scenario (TOML); default: an oscillating wall in a 7 mm cube");
+  command->add_option("--scenario", options->scenario,
+                      "name of an installed scenario, or a file (TOML); default: an oscillating wall in a 7 mm cube");
+  command->add_flag("--list", options->list, "name the scenarios that are installed, and stop");
   command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
   command->add_option("--threads", options->threads, "threads that render; 0: one per processor");
   command->add_flag("--show", options->show, "print the scenario as TOML, with every setting explained, and stop");
@@ -80,9 +87,9 @@ void add_simulate(CLI::App& app, Action& chosen) {
       "Examples:\n"
       "  rapidptv simulate --out run\n"
       "  rapidptv simulate --out run --set frames=100 --set flow.frequency_hz=10 --set seed=7\n"
-      "  rapidptv simulate --out random --set flow.kind=random --set frames=20 --set seeding.per_lenslet=0.1\n"
-      "  rapidptv simulate --describe --set main_lens.model=prescription --set main_lens.magnification=1 \\\n"
-      "      --set main_lens.prescription=double_gauss_f2 --set main_lens.stop_radius_mm=1.063\n"
+      "  rapidptv simulate --scenario layers --out layers      (others: --list)\n"
+      "  rapidptv simulate --scenario layers --describe\n"
+      "  rapidptv simulate --out dense --set flow.kind=random --set frames=20 --set seeding.per_lenslet=0.1\n"
       "  rapidptv simulate --show > scenario.toml && rapidptv simulate --scenario scenario.toml --out run");
   command->callback([options, &chosen] { chosen = [options] { return simulate(*options); }; });
 }

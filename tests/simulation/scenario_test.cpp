@@ -38,6 +38,15 @@ TEST(Scenario, reads_back_what_was_written) {
 
 TEST(Scenario, default_is_consistent) { EXPECT_NO_THROW(check_scenario(ScenarioSettings{}, "default")); }
 
+TEST(Scenario, every_shipped_one_reads) {
+  int read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RPTV_SOURCE_DIR "/simulation/scenarios")) {
+    EXPECT_NO_THROW(read_scenario(entry.path())) << entry.path();
+    ++read;
+  }
+  EXPECT_GE(read, 3);
+}
+
 TEST(Scenario, refuses_a_box_that_reaches_the_focal_plane) {
   ScenarioSettings scenario;
   scenario.seeding.volume_z_mm = 21;
