@@ -8,6 +8,7 @@
 #include <atomic>
 #include <exception>
 #include <fstream>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -126,20 +127,27 @@ void write_times(const ScenarioSettings& scenario, const SimulatedRunFiles& file
   times.close();
 }
 
-void write_still_images(const ScenarioSettings& scenario, const SimulatedRunFiles& files) {
-  constexpr double kPeak = 0.7;          // of full scale
-  constexpr double kStoppedDown = 0.25;  // of the working aperture's diameter
+void write_white(const ScenarioSettings& scenario, const fs::path& file) {
+  constexpr double kPeak = 0.7;  // of full scale
   LightFieldRenderer renderer(scenario);
   std::vector<std::byte> pixels(renderer.shape().bytes());
-  const ImageView view{pixels.data(), renderer.shape()};
-  renderer.render_background(pixels);
-  write_png(files.background, view, renderer.bits());
-  renderer.render_dark(pixels);
-  write_png(files.dark, view, renderer.bits());
   renderer.render_white(kPeak, pixels);
-  write_png(files.white, view, renderer.bits());
-  LightFieldRenderer(stopped_down(scenario, kStoppedDown)).render_white(kPeak, pixels);
-  write_png(files.white_stopped, view, renderer.bits());
+  write_png(file, {pixels.data(), renderer.shape()}, renderer.bits());
+}
+
+void write_still_images(const ScenarioSettings& scenario, const SimulatedRunFiles& files) {
+  constexpr double kStoppedDown = 0.25;  // of the working aperture's diameter
+  auto stopped =
+      std::async(std::launch::async, [&] { write_white(stopped_down(scenario, kStoppedDown), files.white_stopped); });
+  write_white(scenario, files.white);
+  stopped.get();
+  const Exposure exposure(scenario);
+  std::vector<std::byte> pixels(exposure.shape().bytes());
+  const ImageView view{pixels.data(), exposure.shape()};
+  exposure.mean_without_light(pixels);
+  write_png(files.background, view, static_cast<std::uint32_t>(scenario.camera.bits));
+  exposure.expose_dark(pixels);
+  write_png(files.dark, view, static_cast<std::uint32_t>(scenario.camera.bits));
 }
 
 template <class Settings>

@@ -10,10 +10,14 @@
 namespace rptv {
 
 namespace {
+
+constexpr std::uint64_t kDarkStream = std::uint64_t{5} << 56;  // above the frame number
+
 template <class Pixel>
 Pixel to_grey(double value, double full_scale) noexcept {
   return static_cast<Pixel>(std::lrint(std::clamp(value, 0.0, full_scale)));
 }
+
 }  // namespace
 
 Exposure::Exposure(const ScenarioSettings& scenario)
@@ -54,11 +58,11 @@ void Exposure::expose(std::span<const float> expected, std::uint64_t stream, std
     expose_as(expected, camera_.background_e, stream, reinterpret_cast<std::uint16_t*>(pixels.data()));
 }
 
-void Exposure::expose_dark(std::uint64_t stream, std::span<std::byte> pixels) const {
+void Exposure::expose_dark(std::span<std::byte> pixels) const {
   if (shape_.bytes_per_pixel == 1)
-    expose_as({}, 0, stream, reinterpret_cast<std::uint8_t*>(pixels.data()));
+    expose_as({}, 0, kDarkStream, reinterpret_cast<std::uint8_t*>(pixels.data()));
   else
-    expose_as({}, 0, stream, reinterpret_cast<std::uint16_t*>(pixels.data()));
+    expose_as({}, 0, kDarkStream, reinterpret_cast<std::uint16_t*>(pixels.data()));
 }
 
 void Exposure::mean_without_light(std::span<std::byte> pixels) const {

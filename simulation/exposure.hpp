@@ -23,7 +23,7 @@ class Exposure {
   /// `expected` photoelectrons per pixel, without stray light; row-major.
   void expose(std::span<const float> expected, std::uint64_t stream, std::span<std::byte> pixels) const;
   /// No light, no stray light: black level and read noise.
-  void expose_dark(std::uint64_t stream, std::span<std::byte> pixels) const;
+  void expose_dark(std::span<std::byte> pixels) const;
   /// Black level and stray light, without noise, rounded.
   void mean_without_light(std::span<std::byte> pixels) const;
 

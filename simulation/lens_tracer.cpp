@@ -1,12 +1,53 @@
 // SPDX-License-Identifier: MIT
-// Intersection with conics and refraction in vector form (Welford 1986, chapter 4).
+// Rays in blocks through all surfaces, by the widest instructions that the machine has.
 #include "simulation/lens_tracer.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <limits>
 
 namespace rptv {
+
+namespace {
+
+constexpr std::size_t kBlock = 32;  // six values of 32 rays stay in the first cache
+
+struct Block {
+  std::array<double, kBlock> x, y, z, l, m, n, alive;
+};
+
+[[gnu::always_inline]] inline void pass_all(const SurfaceStep* steps, std::size_t count, Block& rays) {
+  for (std::size_t step = 0; step < count; ++step) {
+    const SurfaceStep surface = steps[step];
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const bool passed = pass_surface(surface, rays.x[i], rays.y[i], rays.z[i], rays.l[i], rays.m[i], rays.n[i]);
+      rays.alive[i] = passed ? rays.alive[i] : 0.0;
+    }
+  }
+}
+
+using PassAll = void (*)(const SurfaceStep*, std::size_t, Block&);
+
+void pass_all_plain(const SurfaceStep* steps, std::size_t count, Block& rays) { pass_all(steps, count, rays); }
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void pass_all_avx2(const SurfaceStep* steps, std::size_t count, Block& rays) {
+  pass_all(steps, count, rays);
+}
+[[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]] void pass_all_avx512(const SurfaceStep* steps,
+                                                                                          std::size_t count,
+                                                                                          Block& rays) {
+  pass_all(steps, count, rays);
+}
+PassAll widest() {
+  if (__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return pass_all_avx512;
+  return __builtin_cpu_supports("avx2") ? pass_all_avx2 : pass_all_plain;
+}
+#else
+PassAll widest() { return pass_all_plain; }
+#endif
+
+}  // namespace
 
 LensTracer::LensTracer(const Prescription& lens, double stop_radius_mm, std::span<const Rim> rims) {
   constexpr double kNoRim = std::numeric_limits<double>::infinity();
@@ -16,85 +57,57 @@ LensTracer::LensTracer(const Prescription& lens, double stop_radius_mm, std::spa
   for (std::size_t i = 0; i < lens.surfaces.size(); ++i) {
     const LensSurface& surface = lens.surfaces[i];
     const double clear = i == lens.stop ? stop_radius_ : surface.clear_radius_mm;
-    elements_.push_back(
-        {z, surface.curvature(), surface.conic, clear > 0 ? clear * clear : kNoRim, before, surface.index_after});
+    ahead_.push_back(
+        {z, surface.curvature(), surface.conic, clear > 0 ? clear * clear : kNoRim, before / surface.index_after});
     before = surface.index_after;
     z += surface.thickness_mm;
   }
   for (const Rim& rim : rims) {
-    const auto behind =
-        std::find_if(elements_.begin(), elements_.end(), [&](const Element& e) { return e.z > rim.z_mm; });
-    const double index = behind == elements_.end() ? elements_.back().after : behind->before;
-    const auto place = static_cast<std::size_t>(behind - elements_.begin());
-    elements_.insert(behind, {rim.z_mm, 0, 0, rim.radius_mm * rim.radius_mm, index, index});
+    const auto behind = std::find_if(ahead_.begin(), ahead_.end(), [&](const auto& step) { return step.z > rim.z_mm; });
+    const auto place = static_cast<std::size_t>(behind - ahead_.begin());
+    ahead_.insert(behind, {rim.z_mm, 0, 0, rim.radius_mm * rim.radius_mm, 1});
     if (place <= stop_) ++stop_;
   }
+  back_.assign(ahead_.rbegin(), ahead_.rend());
+  for (SurfaceStep& step : back_) step.ratio = 1 / step.ratio;
 }
 
-/// Moves the ray to the surface, the sheet that holds the vertex: c (x^2 + y^2 + (1+k) z^2) = 2 z.
-bool LensTracer::meet(const Element& element, LensRay& ray) noexcept {
-  const double z = ray.z - element.z, c = element.curvature, k1 = 1 + element.conic;
-  double length;
-  if (c == 0) {
-    length = -z / ray.n;
-  } else {
-    const double a = c * (1 + element.conic * ray.n * ray.n);
-    const double b = ray.n - c * (ray.x * ray.l + ray.y * ray.m + k1 * z * ray.n);
-    const double e = c * (ray.x * ray.x + ray.y * ray.y + k1 * z * z) - 2 * z;
-    const double root = b * b - a * e;
-    if (!(root >= 0)) return false;
-    length = e / (b + std::copysign(std::sqrt(root), ray.n));
+void LensTracer::pass_many(std::span<const SurfaceStep> steps, std::span<LensRay> rays) const noexcept {
+  static const PassAll pass = widest();
+  for (std::size_t first = 0; first < rays.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, rays.size() - first);
+    Block block;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const LensRay& ray = rays[first + std::min(i, count - 1)];
+      block.x[i] = ray.x, block.y[i] = ray.y, block.z[i] = ray.z;
+      block.l[i] = ray.l, block.m[i] = ray.m, block.n[i] = ray.n;
+      block.alive[i] = 1;
+    }
+    pass(steps.data(), steps.size(), block);
+    for (std::size_t i = 0; i < count; ++i)
+      rays[first + i] = {block.x[i], block.y[i], block.z[i],
+                         block.l[i], block.m[i], block.alive[i] != 0 ? block.n[i] : 0.0};
   }
-  ray.x += length * ray.l;
-  ray.y += length * ray.m;
-  ray.z += length * ray.n;
-  return ray.x * ray.x + ray.y * ray.y <= element.rim2;
 }
 
-/// Snell's law, d' = r d + (r cos i - cos t) N; `ratio` r is index before over index behind.
-bool LensTracer::refract(const Element& element, LensRay& ray, double ratio) noexcept {
-  const double c = element.curvature;
-  double nx = c * ray.x, ny = c * ray.y, nz = c * (1 + element.conic) * (ray.z - element.z) - 1;
-  if (element.conic != 0) {
-    const double scale = 1 / std::sqrt(nx * nx + ny * ny + nz * nz);
-    nx *= scale, ny *= scale, nz *= scale;
-  }
-  const double cosine = -(ray.l * nx + ray.m * ny + ray.n * nz);  // negative when the normal runs with the ray
-  const double inside = 1 - ratio * ratio * (1 - cosine * cosine);
-  if (!(inside >= 0)) return false;
-  const double along = ratio * cosine - std::copysign(std::sqrt(inside), cosine);
-  ray.l = ratio * ray.l + along * nx;
-  ray.m = ratio * ray.m + along * ny;
-  ray.n = ratio * ray.n + along * nz;
+bool LensTracer::pass_one(std::span<const SurfaceStep> steps, LensRay& ray) const noexcept {
+  for (const SurfaceStep& step : steps)
+    if (!pass_surface(step, ray.x, ray.y, ray.z, ray.l, ray.m, ray.n)) return false;
   return true;
 }
 
-bool LensTracer::forward(LensRay& ray) const noexcept {
-  for (const Element& element : elements_) {
-    if (!meet(element, ray)) return false;
-    if (element.before != element.after && !refract(element, ray, element.before / element.after)) return false;
-  }
-  return true;
-}
-
-bool LensTracer::backward(LensRay& ray) const noexcept {
-  for (auto element = elements_.rbegin(); element != elements_.rend(); ++element) {
-    if (!meet(*element, ray)) return false;
-    if (element->before != element->after && !refract(*element, ray, element->after / element->before)) return false;
-  }
-  return true;
-}
+bool LensTracer::forward(LensRay& ray) const noexcept { return pass_one(ahead_, ray); }
+bool LensTracer::backward(LensRay& ray) const noexcept { return pass_one(back_, ray); }
 
 double LensTracer::height_at_stop(LensRay ray) const noexcept {
-  const bool ahead = ray.n > 0;
-  for (std::size_t i = ahead ? 0 : elements_.size() - 1; i != stop_; ahead ? ++i : --i) {
-    const Element& element = elements_[i];
-    const double ratio = ahead ? element.before / element.after : element.after / element.before;
-    if (!meet(element, ray) || !refract(element, ray, ratio)) return -1;
-  }
-  Element open = elements_[stop_];
+  const bool with_light = ray.n > 0;
+  const std::span<const SurfaceStep> steps = with_light ? ahead_ : back_;
+  const std::size_t stop = with_light ? stop_ : steps.size() - 1 - stop_;
+  if (!pass_one(steps.first(stop), ray)) return -1;
+  SurfaceStep open = steps[stop];
   open.rim2 = std::numeric_limits<double>::infinity();
-  return meet(open, ray) ? std::hypot(ray.x, ray.y) : -1;
+  open.ratio = 1;
+  return pass_surface(open, ray.x, ray.y, ray.z, ray.l, ray.m, ray.n) ? std::hypot(ray.x, ray.y) : -1;
 }
 
 }  // namespace rptv

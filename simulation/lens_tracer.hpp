@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/prescription.hpp"
+#include "simulation/surface_kernel.hpp"
 
 namespace rptv {
 
@@ -27,26 +28,25 @@ class LensTracer {
   /// `stop_radius_mm` 0 leaves the stop as wide as the prescription has it; `rims` are added in their place by z.
   LensTracer(const Prescription& lens, double stop_radius_mm, std::span<const Rim> rims);
 
-  /// Carries the ray through the lens: afterwards it starts on the last surface or rim. False when it is lost (misses a
-  /// surface, hits a rim, is totally reflected); the ray is then undefined. `n` must be positive.
+  /// Carries a ray with positive n through the lens: afterwards it starts on the last surface or rim. False when it is
+  /// lost: it misses a surface, hits a rim or is totally reflected.
   bool forward(LensRay& ray) const noexcept;
-  /// The same against the light, for rays with negative `n`.
+  /// The same against the light, for rays with negative n.
   bool backward(LensRay& ray) const noexcept;
+  /// Many at a time, several times faster and the same bit for bit; a ray that is lost has n = 0.
+  void forward(std::span<LensRay> rays) const noexcept { pass_many(ahead_, rays); }
+  void backward(std::span<LensRay> rays) const noexcept { pass_many(back_, rays); }
   /// Distance from the axis at which the ray crosses the stop, whatever the stop's radius, or -1 when the ray is lost
   /// before; other rims count.
   double height_at_stop(LensRay ray) const noexcept;
   double stop_radius_mm() const noexcept { return stop_radius_; }
 
  private:
-  struct Element {
-    double z, curvature, conic, rim2;  ///< rim2: square of the clear radius, infinite without a rim
-    double before, after;              ///< refractive indices
-  };
-  static bool meet(const Element& element, LensRay& ray) noexcept;
-  static bool refract(const Element& element, LensRay& ray, double ratio) noexcept;
+  void pass_many(std::span<const SurfaceStep> steps, std::span<LensRay> rays) const noexcept;
+  bool pass_one(std::span<const SurfaceStep> steps, LensRay& ray) const noexcept;
 
-  std::vector<Element> elements_;  ///< by rising z
-  std::size_t stop_ = 0;           ///< among the elements
+  std::vector<SurfaceStep> ahead_, back_;  ///< in the order of the light, and against it
+  std::size_t stop_ = 0;                   ///< among ahead_
   double stop_radius_ = 0;
 };
 

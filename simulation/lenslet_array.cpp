@@ -2,7 +2,7 @@
 // A plano-convex lenslet as a prescription of two surfaces.
 #include "simulation/lenslet_array.hpp"
 
-#include <limits>
+#include <algorithm>
 #include <numbers>
 
 namespace rptv {
@@ -23,13 +23,37 @@ LensletArray::LensletArray(const LensletArraySettings& settings)
   sensor_z_mm_ = settings.plate_thickness_mm * (1 - 1 / settings.index) + focal_;
 }
 
-std::array<double, 2> LensletArray::refracted(const ArrayRay& ray, std::array<double, 2> centre) const noexcept {
-  const double scale = 1 / std::sqrt(1 + ray.slope_x * ray.slope_x + ray.slope_y * ray.slope_y);
-  LensRay inside{ray.x_mm - centre[0], ray.y_mm - centre[1], 0, ray.slope_x * scale, ray.slope_y * scale, scale};
-  constexpr double kLost = std::numeric_limits<double>::quiet_NaN();
-  if (!refracting_->forward(inside)) return {kLost, kLost};
-  const double length = (sensor_z_mm_ - inside.z) / inside.n;
-  return {centre[0] + inside.x + length * inside.l, centre[1] + inside.y + length * inside.m};
+void LensletArray::land(std::span<const ArrayRay> rays, std::optional<Lenslet> lenslet,
+                        std::span<SensorMm> at) const noexcept {
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    at[i] = centre(lenslet ? *lenslet : this->at(rays[i].x_mm, rays[i].y_mm));
+  if (refracting_) return refract(rays, at);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    at[i][0] += focal_ * rays[i].slope_x;
+    at[i][1] += focal_ * rays[i].slope_y;
+  }
+}
+
+/// `at` holds the centres of the rays' lenslets.
+void LensletArray::refract(std::span<const ArrayRay> rays, std::span<SensorMm> at) const noexcept {
+  constexpr std::size_t kBatch = 128;
+  std::array<LensRay, kBatch> batch;
+  for (std::size_t first = 0; first < rays.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, rays.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const ArrayRay& ray = rays[first + i];
+      const SensorMm& middle = at[first + i];
+      const double scale = 1 / std::sqrt(1 + ray.slope_x * ray.slope_x + ray.slope_y * ray.slope_y);
+      batch[i] = {ray.x_mm - middle[0], ray.y_mm - middle[1], 0, ray.slope_x * scale, ray.slope_y * scale, scale};
+    }
+    refracting_->forward(std::span(batch).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const LensRay& ray = batch[i];
+      const double length = (sensor_z_mm_ - ray.z) / ray.n;  // infinite when the ray is lost
+      at[first + i][0] += ray.x + length * ray.l;
+      at[first + i][1] += ray.y + length * ray.m;
+    }
+  }
 }
 
 }  // namespace rptv

@@ -5,13 +5,15 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "simulation/lens_tracer.hpp"
 #include "simulation/main_lens.hpp"
 
 namespace rptv {
 
-using Lenslet = std::array<long, 2>;  ///< column and row of the lattice
+using Lenslet = std::array<long, 2>;     ///< column and row of the lattice
+using SensorMm = std::array<double, 2>;  ///< point of the sensor from the axis, mm
 
 /// Square cells on offset + pitch Rot(rotation) (iu, iv); sensor in the focal plane behind. Immutable; any thread.
 class LensletArray {
@@ -27,18 +29,15 @@ class LensletArray {
     const auto u = static_cast<double>(lenslet[0]), v = static_cast<double>(lenslet[1]);
     return {offset_x_ + pitch_ * (cos_ * u - sin_ * v), offset_y_ + pitch_ * (sin_ * u + cos_ * v)};
   }
-  /// Sensor position, mm, of a ray through a lenslet. Thin: centre + f slope; plano-convex: Snell at sphere and plane.
-  /// Not finite when the ray is totally reflected.
-  std::array<double, 2> land(const ArrayRay& ray, Lenslet lenslet) const noexcept {
-    const auto middle = centre(lenslet);
-    if (refracting_) return refracted(ray, middle);
-    return {middle[0] + focal_ * ray.slope_x, middle[1] + focal_ * ray.slope_y};
-  }
+  /// Sensor positions, mm, of rays that each go through the lenslet they meet, or all through `lenslet` when it is
+  /// given. Thin: centre + f slope; plano-convex: Snell at sphere and plane, not finite where totally reflected. Rays
+  /// without weight count for nothing. at.size() == rays.size().
+  void land(std::span<const ArrayRay> rays, std::optional<Lenslet> lenslet, std::span<SensorMm> at) const noexcept;
   double focal_length_mm() const noexcept { return focal_; }
   double pitch_mm() const noexcept { return pitch_; }
 
  private:
-  std::array<double, 2> refracted(const ArrayRay& ray, std::array<double, 2> centre) const noexcept;
+  void refract(std::span<const ArrayRay> rays, std::span<SensorMm> at) const noexcept;
 
   double pitch_, focal_, offset_x_, offset_y_, cos_, sin_;
   std::optional<LensTracer> refracting_;

@@ -57,7 +57,7 @@ std::optional<Vector3> LightFieldOptics::convergence(const Vector3& object) cons
 SensorPoint LightFieldOptics::white_spot(Lenslet lenslet) const noexcept {
   const auto centre = lenslet_centre(lenslet);
   const double scale = exit_pupil_mm() > 0 ? 1.0 + scenario_.lenslets.focal_length_mm / exit_pupil_mm() : 1.0;
-  return sensor_point(centre[0] * scale, centre[1] * scale);
+  return sensor_point({centre[0] * scale, centre[1] * scale});
 }
 
 bool LightFieldOptics::fully_in_view(const Vector3& image, double image_radius_mm, double margin_px) const noexcept {

@@ -52,8 +52,8 @@ class LightFieldOptics {
   /// True when every ray of an ideal image point lands on the sensor, `margin_px` away from its border.
   bool fully_in_view(const Vector3& image, double image_radius_mm, double margin_px) const noexcept;
 
-  SensorPoint sensor_point(double x_mm, double y_mm) const noexcept {
-    return {x_mm / pixel_mm_ + 0.5 * (width_ - 1), y_mm / pixel_mm_ + 0.5 * (height_ - 1)};
+  SensorPoint sensor_point(const SensorMm& at) const noexcept {
+    return {at[0] / pixel_mm_ + 0.5 * (width_ - 1), at[1] / pixel_mm_ + 0.5 * (height_ - 1)};
   }
   /// Mean number of particles in the lit box when the scenario gives it per lenslet, else as the scenario has it.
   std::int64_t particles_in_box() const noexcept;

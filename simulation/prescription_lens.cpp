@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,6 +15,8 @@
 namespace rptv {
 
 namespace {
+
+constexpr std::size_t kBatch = 256;
 
 FirstOrder figures_of(const LensAnalysis& lens, const MainLensSettings& settings) {
   const LensConjugates plane = settings.magnification > 0 ? conjugates_of_magnification(lens, settings.magnification)
@@ -125,28 +128,46 @@ void PrescriptionLens::trace(const Vector3& object, double body_mm, std::span<co
                              std::span<ArrayRay> rays) const noexcept {
   const double reach = object_margin_ * stop_radius_mm(), weight = object_margin_ * object_margin_;
   const double c = reach * std::cos(turn_rad), s = reach * std::sin(turn_rad);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const RaySample& sample = samples[i];
-    LensRay ray = aimed(object.x + body_mm * sample.body_x, object.y + body_mm * sample.body_y, object_z_mm_ + object.z,
-                        c * sample.pupil_x - s * sample.pupil_y, s * sample.pupil_x + c * sample.pupil_y);
-    rays[i].weight = 0;
-    const double cosine = ray.n;  // of a particle that shines evenly: the pupil is seen under cos^3 of its own area
-    if (!system_.tracer.forward(ray)) continue;
-    const double slope_x = ray.l / ray.n, slope_y = ray.m / ray.n, length = array_z_mm_ - ray.z;
-    rays[i] = {ray.x + length * slope_x, ray.y + length * slope_y, slope_x, slope_y, weight * cosine * cosine * cosine};
+  std::array<LensRay, kBatch> batch;
+  for (std::size_t first = 0; first < samples.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, samples.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const RaySample& sample = samples[first + i];
+      batch[i] = aimed(object.x + body_mm * sample.body_x, object.y + body_mm * sample.body_y, object_z_mm_ + object.z,
+                       c * sample.pupil_x - s * sample.pupil_y, s * sample.pupil_x + c * sample.pupil_y);
+      // A particle that shines evenly sees the pupil's area by the cube of the cosine.
+      rays[first + i].weight = weight * batch[i].n * batch[i].n * batch[i].n;
+    }
+    system_.tracer.forward(std::span(batch).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const LensRay& ray = batch[i];
+      if (ray.n == 0) {
+        rays[first + i] = {};
+        continue;
+      }
+      const double slope_x = ray.l / ray.n, slope_y = ray.m / ray.n, length = array_z_mm_ - ray.z;
+      const double x = ray.x + length * slope_x, y = ray.y + length * slope_y;
+      rays[first + i] = {x, y, slope_x, slope_y, rays[first + i].weight};
+    }
   }
 }
 
 void PrescriptionLens::white(double x_mm, double y_mm, double reach_mm, std::span<const RaySample> samples,
                              std::span<ArrayRay> rays) const noexcept {
   const double stop = array_margin_ * stop_radius_mm(), weight = array_margin_ * array_margin_;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const RaySample& sample = samples[i];
-    const double x = x_mm + reach_mm * sample.body_x, y = y_mm + reach_mm * sample.body_y;
-    const LensRay start = aimed(x, y, array_z_mm_, stop * sample.pupil_x, stop * sample.pupil_y);
-    LensRay ray = start;
-    rays[i] = {x, y, start.l / start.n, start.m / start.n, 0};
-    if (system_.tracer.backward(ray)) rays[i].weight = weight * std::pow(start.n, 4);  // even radiance
+  std::array<LensRay, kBatch> batch;
+  for (std::size_t first = 0; first < samples.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, samples.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const RaySample& sample = samples[first + i];
+      const double x = x_mm + reach_mm * sample.body_x, y = y_mm + reach_mm * sample.body_y;
+      const LensRay& ray = batch[i] = aimed(x, y, array_z_mm_, stop * sample.pupil_x, stop * sample.pupil_y);
+      const double cosine2 = ray.n * ray.n;  // even radiance: the fourth power of the cosine
+      rays[first + i] = {x, y, ray.l / ray.n, ray.m / ray.n, weight * cosine2 * cosine2};
+    }
+    system_.tracer.backward(std::span(batch).first(count));
+    for (std::size_t i = 0; i < count; ++i)
+      if (batch[i].n == 0) rays[first + i].weight = 0;
   }
 }
 

@@ -15,7 +15,6 @@ constexpr int kOffsets = 32;  // sub-pixel positions of the diffraction kernel
 constexpr std::uint64_t kRayStream = std::uint64_t{1} << 56;
 constexpr std::uint64_t kNoiseStream = std::uint64_t{2} << 56;
 constexpr std::uint64_t kWhiteStream = std::uint64_t{3} << 56;
-constexpr std::uint64_t kDarkStream = std::uint64_t{5} << 56;
 constexpr int kIntegrationSteps = 400;
 
 /// sinc^2 of a square lenslet integrated over pixels, for light that falls `offset` px right of a pixel's centre.
@@ -45,15 +44,17 @@ LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
       samples_(particle_samples(static_cast<std::size_t>(scenario.rays_per_particle))),
       expected_(shape_.pixels()) {
   rays_.resize(samples_.size());
+  landings_.resize(samples_.size());
   const auto& lenslets = scenario.lenslets;
-  const double zero_px = lenslets.wavelength_nm * 1e-6 * lenslets.focal_length_mm / lenslets.pitch_mm /
-                         (scenario.camera.pixel_um * 1e-3);  // first zero of the sinc
-  reach_px_ = lenslets.diffraction ? std::max(1, static_cast<int>(std::ceil(2.5 * zero_px))) : 0;
+  if (lenslets.diffraction)
+    zero_px_ = lenslets.wavelength_nm * 1e-6 * lenslets.focal_length_mm / lenslets.pitch_mm /
+               (scenario.camera.pixel_um * 1e-3);
+  reach_px_ = lenslets.diffraction ? std::max(1, static_cast<int>(std::ceil(2.5 * zero_px_))) : 0;
   const auto taps = static_cast<std::size_t>(2 * reach_px_ + 1);
   kernel_.assign(kOffsets * taps, 1.0F);
   if (reach_px_ == 0) return;
   for (int i = 0; i < kOffsets; ++i)
-    fill_kernel_row((i + 0.5) / kOffsets - 0.5, zero_px, reach_px_, &kernel_[static_cast<std::size_t>(i) * taps]);
+    fill_kernel_row((i + 0.5) / kOffsets - 0.5, zero_px_, reach_px_, &kernel_[static_cast<std::size_t>(i) * taps]);
 }
 
 bool LightFieldRenderer::lands_inside(const SensorPoint& at) const noexcept {
@@ -68,10 +69,10 @@ bool LightFieldRenderer::in_view(const Vector3& object) noexcept {
     return optics_.fully_in_view(optics_.image_of(object), radius * optics_.magnification(object.z), 1.0);
   optics_.lens().trace(object, radius, samples_, 0, rays_);
   bool seen = false;
-  for (const ArrayRay& ray : rays_) {
-    if (!(ray.weight > 0)) continue;
-    const auto at = optics_.lenslets().land(ray, optics_.lenslet_at(ray.x_mm, ray.y_mm));
-    if (!lands_inside(optics_.sensor_point(at[0], at[1]))) return false;
+  optics_.lenslets().land(rays_, std::nullopt, landings_);
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    if (!(rays_[i].weight > 0)) continue;
+    if (!lands_inside(optics_.sensor_point(landings_[i]))) return false;
     seen = true;
   }
   return seen;
@@ -104,12 +105,13 @@ void LightFieldRenderer::add_particle(const Vector3& object, double turn_rad) {
       scenario_.seeding.photoelectrons * optics_.brightness(object.z) / static_cast<double>(samples_.size());
   ParticleLight light{0, true};
   optics_.lens().trace(object, body, samples_, turn_rad, rays_);
-  for (const ArrayRay& ray : rays_) {
-    if (!(ray.weight > 0)) continue;
-    const auto at = optics_.lenslets().land(ray, optics_.lenslet_at(ray.x_mm, ray.y_mm));
-    const SensorPoint point = optics_.sensor_point(at[0], at[1]);
-    add_light(point, static_cast<float>(share * ray.weight));
-    light.photoelectrons += share * ray.weight;
+  optics_.lenslets().land(rays_, std::nullopt, landings_);
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    const double weight = rays_[i].weight;
+    if (!(weight > 0)) continue;
+    const SensorPoint point = optics_.sensor_point(landings_[i]);
+    add_light(point, static_cast<float>(share * weight));
+    light.photoelectrons += share * weight;
     light.in_view = light.in_view && lands_inside(point);
   }
   if (optics_.lens().is_ideal())
@@ -133,10 +135,12 @@ void LightFieldRenderer::render_white(double peak, std::span<std::byte> pixels) 
   const double pixel_mm = scenario_.camera.pixel_um * 1e-3, pitch_px = array.pitch_mm / pixel_mm;
   const double radius_px = array.focal_length_mm * optics_.cone_slope() / pixel_mm;
   const double disc_px = std::max(1.0, std::numbers::pi * radius_px * radius_px);
-  constexpr double kRaysPerPixel = 12, kFewestRays = 128, kMostRays = 4096;  // per lenslet
+  constexpr double kRaysPerSpot = 6, kFewestRays = 128, kMostRays = 4096;  // spot: a pixel, or diffraction's if larger
+  const double spot_px = std::max(1.0, zero_px_ * zero_px_);
   const auto samples =
-      lenslet_samples(static_cast<std::size_t>(std::clamp(kRaysPerPixel * disc_px, kFewestRays, kMostRays)));
+      lenslet_samples(static_cast<std::size_t>(std::clamp(kRaysPerSpot * disc_px / spot_px, kFewestRays, kMostRays)));
   std::vector<ArrayRay> rays(samples.size());
+  std::vector<SensorMm> landings(samples.size());
   const double overlap = std::max(1.0, disc_px / (pitch_px * pitch_px));  // as many lenslets light a pixel
   const double share = peak * exposure_.full_well_e() * disc_px / overlap / static_cast<double>(samples.size());
   const double half_diagonal = 0.5 * scenario_.camera.pixel_um * 1e-3 * std::hypot(shape_.width_px, shape_.height_px);
@@ -154,17 +158,12 @@ void LightFieldRenderer::render_white(double peak, std::span<std::byte> pixels) 
       const auto centre = optics_.lenslet_centre({u, v});
       constexpr double kCell = 0.5;  // rays meet the disc inside the cell
       optics_.lens().white(centre[0], centre[1], kCell * array.pitch_mm, samples, rays);
-      for (const ArrayRay& ray : rays) {
-        if (!(ray.weight > 0)) continue;
-        const auto at = optics_.lenslets().land(ray, {u, v});
-        add_light(optics_.sensor_point(at[0], at[1]), static_cast<float>(share * ray.weight));
-      }
+      optics_.lenslets().land(rays, Lenslet{u, v}, landings);
+      for (std::size_t i = 0; i < rays.size(); ++i)
+        if (rays[i].weight > 0)
+          add_light(optics_.sensor_point(landings[i]), static_cast<float>(share * rays[i].weight));
     }
   exposure_.expose(expected_, kWhiteStream, pixels);
 }
-
-void LightFieldRenderer::render_dark(std::span<std::byte> pixels) const { exposure_.expose_dark(kDarkStream, pixels); }
-
-void LightFieldRenderer::render_background(std::span<std::byte> pixels) const { exposure_.mean_without_light(pixels); }
 
 }  // namespace rptv

@@ -22,8 +22,9 @@ struct ParticleLight {
   bool in_view = false;       ///< its whole image is on the sensor
 };
 
-/// Renders frames, the white image and the dark image of one scenario. Every image depends on the scenario and its
-/// frame number only. One thread per object: it owns a workspace; copies are cheap enough to have one per thread.
+/// Renders frames and white images of one scenario (Exposure makes those without light). Every image depends on the
+/// scenario and its frame number only. One thread per object: it owns a workspace; copies are cheap enough to have one
+/// per thread.
 class LightFieldRenderer {
  public:
   explicit LightFieldRenderer(const ScenarioSettings& scenario);
@@ -36,10 +37,6 @@ class LightFieldRenderer {
   void render(std::span<const Tracer> tracers, std::uint64_t frame, std::span<std::byte> pixels);
   /// Evenly lit exit pupil: one spot per lenslet, `peak` of full scale, with noise.
   void render_white(double peak, std::span<std::byte> pixels);
-  /// No light at all: black level and read noise.
-  void render_dark(std::span<std::byte> pixels) const;
-  /// Mean image without particles: black level and stray light, rounded, no noise.
-  void render_background(std::span<std::byte> pixels) const;
   /// Whole image of the particle is on the sensor, a pixel from the border.
   bool in_view(const Vector3& object) noexcept;
   /// Of the last render(), in the order of its tracers.
@@ -61,7 +58,9 @@ class LightFieldRenderer {
   Exposure exposure_;
   std::vector<RaySample> samples_;
   std::vector<ArrayRay> rays_;  ///< workspace, one per sample
+  std::vector<SensorMm> landings_;
   std::vector<ParticleLight> lights_;
+  double zero_px_ = 0;         ///< diffraction: first zero of the sinc; 0: none
   int reach_px_ = 0;           ///< the diffraction kernel spans 2 reach + 1 pixels
   std::vector<float> kernel_;  ///< [sub-pixel offset][2 reach + 1], each row sums to 1
   std::vector<float> expected_;

@@ -100,6 +100,27 @@ TEST(LensTracer, comes_back_on_its_own_path) {
     }
 }
 
+TEST(LensTracer, traces_many_rays_as_it_traces_one) {
+  const LensTracer tracer(read_prescription(kShipped / "macro_25mm_f28.toml"), 0, {});
+  std::vector<LensRay> rays;
+  for (int i = 0; i < 101; ++i)
+    rays.push_back(tilted(0.4 * (i % 11 - 5), 0.3 * (i / 11 - 4), -30, 0.12 * (i % 7 - 3), 0.05 * (i % 5)));
+  std::vector<LensRay> together = rays;
+  tracer.forward(together);
+  int passed = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const bool through = tracer.forward(rays[i]);
+    ASSERT_EQ(together[i].n != 0, through) << i;
+    if (!through) continue;
+    ++passed;
+    EXPECT_EQ(together[i].x, rays[i].x);
+    EXPECT_EQ(together[i].m, rays[i].m);
+    EXPECT_EQ(together[i].n, rays[i].n);
+  }
+  EXPECT_GT(passed, 10);
+  EXPECT_LT(passed, 101);
+}
+
 TEST(LensTracer, agrees_with_the_paraxial_figures_near_the_axis) {
   for (const auto* name : {"double_gauss_f2.toml", "macro_25mm_f28.toml"}) {
     const Prescription lens = read_prescription(kShipped / name);

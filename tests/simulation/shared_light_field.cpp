@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Reading of the light-field data sets: as much JSON as their truth needs.
-#include "shared_light_field.hpp"
+#include "tests/simulation/shared_light_field.hpp"
 
 #include <cstdlib>
 #include <fstream>

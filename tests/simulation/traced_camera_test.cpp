@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 
-#include "shared_light_field.hpp"
 #include "simulation/quadrature.hpp"
 #include "simulation/render_light_field.hpp"
+#include "tests/simulation/shared_light_field.hpp"
 
 namespace rptv {
 namespace {
@@ -121,12 +121,12 @@ Spot traced_spot(const LightFieldOptics& optics, Lenslet lenslet) {
   std::vector<ArrayRay> rays(samples.size());
   const auto centre = optics.lenslet_centre(lenslet);
   optics.lens().white(centre[0], centre[1], 0.5 * optics.lenslets().pitch_mm(), samples, rays);
+  std::vector<SensorMm> landings(samples.size());
+  optics.lenslets().land(rays, lenslet, landings);
   Spot spot;
-  for (const ArrayRay& ray : rays) {
-    if (!(ray.weight > 0)) continue;
-    const auto at = optics.lenslets().land(ray, lenslet);
-    const auto point = optics.sensor_point(at[0], at[1]);
-    spot.add(ray.weight, point.column, point.row);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto point = optics.sensor_point(landings[i]);
+    if (rays[i].weight > 0) spot.add(rays[i].weight, point.column, point.row);
   }
   return spot;
 }
