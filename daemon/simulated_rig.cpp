@@ -30,6 +30,13 @@ double threshold_dn(const ScenarioSettings& scenario, const LightFieldOptics& op
   return std::max(0.1 * grey, 6.0 * noise + 1.0);
 }
 
+/// Lenslets that one pixel may belong to: as many sub-images as overlap in it at most.
+int hypotheses(const LightFieldOptics& optics) {
+  constexpr int kMost = 16;
+  const int across = static_cast<int>(std::ceil(optics.calibration().subimage_overlap() - 0.02));
+  return std::clamp(across * across, 1, kMost);
+}
+
 /// Rms blur of a sub-image per axis, um: diffraction of a square lenslet as far as it is above the threshold. The stage
 /// adds the pixel's own.
 double slope_blur_um(const ScenarioSettings& scenario) {
@@ -54,9 +61,11 @@ std::string rig_toml(const ScenarioSettings& scenario) {
       "[intake]\npolicy = \"bounded\"\ndepth = 32  # a third of a second at 100 Hz: what a busy machine may hold "
       "frames up\npool_frames = 40\n\n"
       "[light_field]\ncalibration = \"calibration.toml\"\nbackground_image = \"background.png\"\n"
-      "threshold = {:.1f}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = {:.1f}\nslope_blur_um = {:.2f}\n\n"
+      "threshold = {:.1f}\nmax_hypotheses = {}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = "
+      "{:.1f}\nslope_blur_um = {:.2f}\n\n"
       "[linker]\nsearch_range_mm = {:.3f}\nmemory = 3\n",
-      threshold_dn(scenario, optics), from, to, scenario.seeding.particle_radius_um, slope_blur_um(scenario), range_mm);
+      threshold_dn(scenario, optics), hypotheses(optics), from, to, scenario.seeding.particle_radius_um,
+      slope_blur_um(scenario), range_mm);
 }
 
 }  // namespace rptv
