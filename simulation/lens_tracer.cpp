@@ -34,9 +34,8 @@ void pass_all_plain(const SurfaceStep* steps, std::size_t count, Block& rays) { 
 [[gnu::target("avx2")]] void pass_all_avx2(const SurfaceStep* steps, std::size_t count, Block& rays) {
   pass_all(steps, count, rays);
 }
-[[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]] void pass_all_avx512(const SurfaceStep* steps,
-                                                                                          std::size_t count,
-                                                                                          Block& rays) {
+[[gnu::target("avx512f,avx512dq,avx512vl")]] void pass_all_avx512(const SurfaceStep* steps, std::size_t count,
+                                                                  Block& rays) {
   pass_all(steps, count, rays);
 }
 PassAll widest() {

@@ -67,6 +67,10 @@ LensRay ray_of(double x, double y, double z, double slope_x, double slope_y, dou
 PrescriptionLens::System PrescriptionLens::make_system(const ScenarioSettings& scenario) {
   const auto& settings = scenario.main_lens;
   const Prescription lens = read_prescription(find_shipped("prescriptions", settings.prescription));
+  if (const double open = lens.surfaces[lens.stop].clear_radius_mm; settings.stop_radius_mm > open)
+    throw Error(ExitCode::configuration, fmt::format("main_lens.stop_radius_mm = {} is wider than the stop of the lens "
+                                                     "({} mm); make it smaller, or 0 for fully open",
+                                                     settings.stop_radius_mm, open));
   const LensAnalysis analysis = analyse(lens, settings.stop_radius_mm);
   const FirstOrder figures = figures_of(analysis, settings);
   check(figures, analysis, scenario);

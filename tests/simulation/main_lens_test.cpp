@@ -100,6 +100,9 @@ TEST(PrescriptionLens, refuses_what_forms_no_image) {
   s.main_lens.focus_distance_mm = 35;
   EXPECT_THAT(message(s), testing::HasSubstr("within the focal length 50.358 mm"));
   s = traced_scene();
+  s.main_lens.stop_radius_mm = 8.6;
+  EXPECT_THAT(message(s), testing::HasSubstr("stop_radius_mm = 8.6 is wider than the stop of the lens (8.55 mm)"));
+  s = traced_scene();
   s.main_lens.prescription = "double_gaus_f2";
   EXPECT_THAT(message(s), testing::HasSubstr("double_gauss_f2"));  // names what there is
   s.main_lens.prescription = "no/such/lens.toml";
