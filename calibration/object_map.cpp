@@ -6,48 +6,96 @@
 
 namespace rptv {
 
-ObjectMap::ObjectMap(const LightFieldCalibration& calibration)
-    : telecentric_(calibration.lens.model == "telecentric"),
-      focal_mm_(calibration.lens.focal_length_mm),
-      image_distance_mm_(calibration.lens.array_distance_mm),
-      object_distance_mm_(0),
-      magnification_(calibration.magnification()),
-      index_(calibration.lens.medium_index) {
+namespace {
+
+std::variant<ThickLens, Telecentric> lens_of(const LightFieldCalibration& calibration) {
+  const auto& lens = calibration.lens;
+  if (calibration.base_model() == "telecentric") return Telecentric{lens.magnification, lens.medium_index};
+  const double s = lens.focal_length_mm * lens.array_distance_mm / (lens.array_distance_mm - lens.focal_length_mm);
+  return ThickLens{lens.focal_length_mm, lens.array_distance_mm, s, lens.medium_index};  // eq. (8)
+}
+
+std::variant<ThickLens, Telecentric, CorrectedLens> model_of(const LightFieldCalibration& calibration) {
   calibration.validate("the light-field calibration");
-  if (!telecentric_)
-    object_distance_mm_ = focal_mm_ * image_distance_mm_ / (image_distance_mm_ - focal_mm_);  // eq. (8)
+  const auto lens = lens_of(calibration);
+  if (calibration.lens.model == "polynomial") return CorrectedLens{lens, SoloffPolynomial(calibration.polynomial)};
+  return std::visit([](const auto& l) { return std::variant<ThickLens, Telecentric, CorrectedLens>(l); }, lens);
 }
 
-Point3 ObjectMap::to_object(const Point3& image) const noexcept {
-  if (telecentric_)  // eq. (11)
-    return {-image[0] / magnification_, -image[1] / magnification_,
-            -index_ * image[2] / (magnification_ * magnification_)};
-  const double behind = image_distance_mm_ - image[2];        // s'
-  const double reduction = focal_mm_ / (behind - focal_mm_);  // s/s', eq. (8)
-  return {-reduction * image[0], -reduction * image[1],
-          index_ * (object_distance_mm_ - reduction * behind)};  // eq. (9)
+}  // namespace
+
+Point3 ThickLens::to_object(const Point3& image) const noexcept {
+  const double behind = image_distance_mm - image[2];       // s'
+  const double reduction = focal_mm / (behind - focal_mm);  // s/s', eq. (8)
+  return {-reduction * image[0], -reduction * image[1], index * (object_distance_mm - reduction * behind)};  // eq. (9)
 }
 
-Point3 ObjectMap::to_image(const Point3& object) const noexcept {
-  if (telecentric_)
-    return {-object[0] * magnification_, -object[1] * magnification_,
-            -object[2] * magnification_ * magnification_ / index_};
-  const double before = object_distance_mm_ - object[2] / index_;  // s
-  const double enlargement = focal_mm_ / (before - focal_mm_);     // s'/s
-  return {-enlargement * object[0], -enlargement * object[1], image_distance_mm_ - enlargement * before};
+Point3 ThickLens::to_image(const Point3& object) const noexcept {
+  const double before = object_distance_mm - object[2] / index;  // s
+  const double enlargement = focal_mm / (before - focal_mm);     // s'/s
+  return {-enlargement * object[0], -enlargement * object[1], image_distance_mm - enlargement * before};
 }
 
-Matrix3 ObjectMap::jacobian(const Point3& image) const noexcept {
-  if (telecentric_) {
-    const double lateral = -1 / magnification_;
-    return {{{lateral, 0, 0}, {0, lateral, 0}, {0, 0, -index_ / (magnification_ * magnification_)}}};
-  }
-  const double past_focus = image_distance_mm_ - image[2] - focal_mm_;  // s' - EFL
-  const double reduction = focal_mm_ / past_focus;
+Matrix3 ThickLens::jacobian(const Point3& image) const noexcept {
+  const double past_focus = image_distance_mm - image[2] - focal_mm;  // s' - EFL
+  const double reduction = focal_mm / past_focus;
   const double growth = reduction / past_focus;  // d(reduction)/dz
   return {{{-reduction, 0, -growth * image[0]},
            {0, -reduction, -growth * image[1]},
-           {0, 0, -index_ * reduction * reduction}}};
+           {0, 0, -index * reduction * reduction}}};
+}
+
+Point3 Telecentric::to_object(const Point3& image) const noexcept {  // eq. (11)
+  return {-image[0] / magnification, -image[1] / magnification, -index * image[2] / (magnification * magnification)};
+}
+
+Point3 Telecentric::to_image(const Point3& object) const noexcept {
+  return {-object[0] * magnification, -object[1] * magnification, -object[2] * magnification * magnification / index};
+}
+
+Matrix3 Telecentric::jacobian(const Point3&) const noexcept {
+  const double lateral = -1 / magnification;
+  return {{{lateral, 0, 0}, {0, lateral, 0}, {0, 0, -index / (magnification * magnification)}}};
+}
+
+double Telecentric::highest_z_mm() const noexcept { return std::numeric_limits<double>::infinity(); }
+
+Point3 CorrectedLens::to_object(const Point3& image) const noexcept {
+  return correction.map(std::visit([&](const auto& l) { return l.to_object(image); }, lens));
+}
+
+Point3 CorrectedLens::to_image(const Point3& object) const noexcept {
+  const Point3 by_the_lens = correction.inverse(object);
+  return std::visit([&](const auto& l) { return l.to_image(by_the_lens); }, lens);
+}
+
+Matrix3 CorrectedLens::jacobian(const Point3& image) const noexcept {
+  const Point3 by_the_lens = std::visit([&](const auto& l) { return l.to_object(image); }, lens);
+  const Matrix3 inner = std::visit([&](const auto& l) { return l.jacobian(image); }, lens);
+  const Matrix3 outer = correction.jacobian(by_the_lens);
+  Matrix3 chained{};
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t column = 0; column < 3; ++column)
+      for (std::size_t k = 0; k < 3; ++k) chained[row][column] += outer[row][k] * inner[k][column];
+  return chained;
+}
+
+double CorrectedLens::highest_z_mm() const noexcept {
+  return std::visit([](const auto& l) { return l.highest_z_mm(); }, lens);
+}
+
+ObjectMap::ObjectMap(const LightFieldCalibration& calibration) : model_(model_of(calibration)) {}
+
+Point3 ObjectMap::to_object(const Point3& image) const noexcept {
+  return std::visit([&](const auto& model) { return model.to_object(image); }, model_);
+}
+
+Point3 ObjectMap::to_image(const Point3& object) const noexcept {
+  return std::visit([&](const auto& model) { return model.to_image(object); }, model_);
+}
+
+Matrix3 ObjectMap::jacobian(const Point3& image) const noexcept {
+  return std::visit([&](const auto& model) { return model.jacobian(image); }, model_);
 }
 
 Covariance ObjectMap::to_object(const Covariance& c, const Matrix3& j) const noexcept {
@@ -62,7 +110,7 @@ Covariance ObjectMap::to_object(const Covariance& c, const Matrix3& j) const noe
 }
 
 double ObjectMap::highest_z_mm() const noexcept {
-  return telecentric_ ? std::numeric_limits<double>::infinity() : image_distance_mm_ - focal_mm_;
+  return std::visit([](const auto& model) { return model.highest_z_mm(); }, model_);
 }
 
 }  // namespace rptv

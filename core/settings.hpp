@@ -49,6 +49,11 @@ class FieldList {
     prefix_ = outer;
   }
 
+  /// For files that may be partial: nothing is an error by being absent.
+  void require_nothing() noexcept {
+    for (auto& field : fields_) field.required = false;
+  }
+
   const std::vector<Field>& all() const noexcept { return fields_; }
 
  private:

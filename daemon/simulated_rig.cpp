@@ -37,14 +37,6 @@ int hypotheses(const LightFieldOptics& optics) {
   return std::clamp(across * across, 1, kMost);
 }
 
-/// Rms blur of a sub-image per axis, um: diffraction of a square lenslet as far as it is above the threshold. The stage
-/// adds the pixel's own.
-double slope_blur_um(const ScenarioSettings& scenario) {
-  const auto& lenslets = scenario.lenslets;
-  const double zero_um = 1e-3 * lenslets.wavelength_nm * lenslets.focal_length_mm / lenslets.pitch_mm;
-  return lenslets.diffraction ? 0.33 * zero_um : 0.0;
-}
-
 }  // namespace
 
 std::string rig_toml(const ScenarioSettings& scenario) {
@@ -62,10 +54,13 @@ std::string rig_toml(const ScenarioSettings& scenario) {
       "frames up\npool_frames = 40\n\n"
       "[light_field]\ncalibration = \"calibration.toml\"\nbackground_image = \"background.png\"\n"
       "threshold = {:.1f}\nmax_hypotheses = {}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = "
-      "{:.1f}\nslope_blur_um = {:.2f}\n\n"
+      "{:.1f}\nwavelength_nm = {:.1f}\n"
+      "noise_grey = {:.3f}\nelectrons_per_grey = {:.3f}\n\n"
       "[linker]\nsearch_range_mm = {:.3f}\nmemory = 3\n",
       threshold_dn(scenario, optics), hypotheses(optics), from, to, scenario.seeding.particle_radius_um,
-      slope_blur_um(scenario), range_mm);
+      scenario.lenslets.diffraction ? scenario.lenslets.wavelength_nm : 0.0,
+      std::hypot(scenario.camera.read_noise_e, std::sqrt(scenario.camera.background_e)) / scenario.camera.gain_e_per_dn,
+      scenario.camera.gain_e_per_dn, range_mm);
 }
 
 }  // namespace rptv

@@ -150,12 +150,10 @@ void write_still_images(const ScenarioSettings& scenario, const SimulatedRunFile
   write_png(files.dark, view, static_cast<std::uint32_t>(scenario.camera.bits));
 }
 
-template <class Settings>
-std::string toml_of(const Settings& settings, std::int64_t schema) {
-  Settings copy = settings;
+std::string toml_of(ScenarioSettings scenario) {
   FieldList list;
-  copy.fields(list);
-  return to_toml(list, schema);
+  scenario.fields(list);
+  return to_toml(list, kScenarioSchema);
 }
 
 }  // namespace
@@ -171,8 +169,8 @@ SimulatedRunReport write_simulated_run(const ScenarioSettings& wanted, const Sim
   remove_frames(files.frames);
   SimulatedRunReport report;
   report.frames = static_cast<std::uint64_t>(scenario.frames);
-  write_text(files.scenario, toml_of(scenario, kScenarioSchema));
-  write_text(files.calibration, toml_of(optics.calibration(), LightFieldCalibration::kSchema));
+  write_text(files.scenario, toml_of(scenario));
+  write_light_field_calibration(optics.calibration(), files.calibration);
   write_text(files.rig, rig_toml(scenario));
   write_times(scenario, files);
   write_volume_truth(files.volume_truth, scenario, optics);

@@ -7,3 +7,6 @@
 #else
 #define RPTV_HOST_DEVICE
 #endif
+
+/// The same for what must end up inside the loops that call it, so that they become vector code.
+#define RPTV_HOST_DEVICE_INLINE [[gnu::always_inline]] RPTV_HOST_DEVICE inline

@@ -5,11 +5,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "calibration/object_map.hpp"
 #include "core/error.hpp"
 #include "reconstruct/classify_dbscan.hpp"
 #include "reconstruct/classify_local_maxima.hpp"
+#include "reconstruct/coarse_maxima.hpp"
 #include "reconstruct/light_field_volume.hpp"
 #include "reconstruct/lit_pixels.hpp"
 #include "reconstruct/parallel.hpp"
@@ -56,6 +59,9 @@ struct LightField::Stages {
 
   void find_candidates(bool first_round) noexcept;
   bool cloud_is_dense() const noexcept;
+  void find_particles(std::size_t lit_pixels) noexcept;
+  std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
+  void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
   void write(Particles& out) const noexcept;
 
   const LightFieldSettings settings;
@@ -73,10 +79,13 @@ struct LightField::Stages {
   std::vector<std::uint32_t> lit;
   Rays rays;
   RayCounter counter;
+  std::optional<CoarseMaxima> coarse_maxima;  // or else cloud and dbscan
   VoxelCloud cloud;
   Dbscan dbscan;
   std::vector<Candidate> candidates;
   ExplainAway explain_away;
+  std::unique_ptr<Shake> shake;  // with settings.refine
+  std::vector<FittedParticle> particles;
   bool dense = true;  // the first round decides for the frame
   LightFieldCounts counts;
 };
@@ -101,7 +110,15 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
              static_cast<std::size_t>(s.dbscan_min_points)),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
+  if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
   candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
+  particles.reserve(static_cast<std::size_t>(s.max_particles));
+  if (!s.refine) return;
+  std::vector<float> dark(limit.limits().begin(), limit.limits().end());
+  for (float& grey : dark) grey -= static_cast<float>(s.threshold);
+  shake = std::make_unique<Shake>(
+      calibration, lattice, make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count)),
+      std::move(dark));
 }
 
 bool LightField::Stages::cloud_is_dense() const noexcept {
@@ -112,15 +129,64 @@ bool LightField::Stages::cloud_is_dense() const noexcept {
 
 void LightField::Stages::find_candidates(bool first_round) noexcept {
   candidates.clear();
-  counts.refused_candidates += cloud.collect(counter, min_count);  // eq. (7)
-  if (first_round) dense = cloud_is_dense();
-  counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                     : dbscan.classify(counter, cloud, candidates);
+  if (coarse_maxima) {
+    counts.refused_candidates += coarse_maxima->find(counter, min_count, candidates);
+  } else {
+    counts.refused_candidates += cloud.collect(counter);
+    if (first_round) dense = cloud_is_dense();
+    counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
+                                       : dbscan.classify(counter, cloud, candidates);
+  }
   counts.candidates += candidates.size();
 }
 
-void LightField::Stages::write(Particles& out) const noexcept {
+// Appends what the first `lit_pixels` of `lit` show.
+void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
+  counts.refused_pixels += pixels_to_rays.convert({lit.data(), lit_pixels}, rays);  // eq. (5)
+  explain_away.begin(rays);
+  for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
+    counter.count(rays, explain_away.taken(), min_count);  // eq. (6), (7)
+    find_candidates(round == 0);
+    ++counts.rounds;
+    if (explain_away.explain(rays, candidates) == 0) break;
+  }
+  explain_away.settle(rays);
+  counts.refused_particles += explain_away.refused();
   for (const auto& found : explain_away.particles()) {
+    if (particles.size() == particles.capacity())
+      ++counts.refused_particles;
+    else
+      particles.push_back(found);
+  }
+}
+
+// Those lit pixels that particles leave above the threshold, and well above the shot noise of what they do explain.
+std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcept {
+  constexpr float kSigmas = 4;
+  const auto threshold = static_cast<float>(settings.threshold);
+  const auto end = std::remove_if(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit_pixels), [&](auto pixel) {
+    const float noise = std::sqrt(shake->explained(pixel) / static_cast<float>(settings.electrons_per_grey));
+    return shake->unexplained(pixel) < threshold + kSigmas * noise;
+  });
+  return static_cast<std::size_t>(end - lit.begin());
+}
+
+void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
+  shake->begin(image);
+  particles.resize(shake->refine(particles, 0));
+  for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
+    lit_pixels = keep_unexplained(lit_pixels);
+    const std::size_t known = particles.size();
+    find_particles(lit_pixels);
+    if (particles.size() == known) break;
+    particles.resize(shake->refine(particles, known));
+  }
+  std::sort(particles.begin(), particles.end(),
+            [](const FittedParticle& a, const FittedParticle& b) { return a.support > b.support; });
+}
+
+void LightField::Stages::write(Particles& out) const noexcept {
+  for (const auto& found : particles) {
     const auto& c = found.covariance;
     Point3 at{found.at.x, found.at.y, found.at.z};
     Covariance covariance{c.xx, c.xy, c.xz, c.yy, c.yz, c.zz};
@@ -134,6 +200,10 @@ void LightField::Stages::write(Particles& out) const noexcept {
 
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                        const ImageView& background) {
+  if (settings.counting == "coarse_to_fine" && settings.classification == "dbscan")
+    throw Error(ExitCode::configuration,
+                "light_field.classification = \"dbscan\" needs clouds of voxels, which light_field.counting = "
+                "\"coarse_to_fine\" does not make; choose counting = \"coarse\" or \"exhaustive\"");
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
   stages_ = std::make_unique<Stages>(settings, calibration, background);
 }
@@ -156,18 +226,12 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
     return;
   }
   const std::size_t lit = find_lit_pixels(image, s.limit, s.lit);
-  const std::size_t kept = std::min(lit, s.lit.size());
-  s.counts.refused_pixels += lit - kept + s.pixels_to_rays.convert({s.lit.data(), kept}, s.rays);  // eq. (5)
-  s.counts.lit_pixels = lit, s.counts.rays = s.rays.size, s.counts.candidates = 0, s.counts.rounds = 0;
-  s.explain_away.begin(s.rays);
-  for (std::int64_t round = 0; round < (s.settings.explain_away ? s.settings.explain_rounds : 1); ++round) {
-    s.counter.count(s.rays, s.explain_away.taken());  // eq. (6)
-    s.find_candidates(round == 0);
-    ++s.counts.rounds;
-    if (s.explain_away.explain(s.rays, s.candidates) == 0) break;
-  }
-  s.explain_away.settle(s.rays);
-  s.counts.refused_particles += s.explain_away.refused();
+  s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
+  s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
+  s.particles.clear();
+  s.find_particles(std::min(lit, s.lit.size()));
+  s.counts.rays = s.rays.size;
+  if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
   s.write(out);
   ++s.counts.frames;
 }

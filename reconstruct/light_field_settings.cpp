@@ -13,12 +13,12 @@ void LightFieldSettings::fields(FieldList& list) {
   list.numbers("volume_y_mm", volume_y_mm, 0, -1e4, 1e4, "image space [from, to]; empty: what the sensor covers");
   list.numbers("volume_z_mm", volume_z_mm, 2, -1e4, 1e4, "image space [from, to]; positive towards the main lens");
   list.numbers("voxel_um", voxel_um, 3, 1, 1e6, "voxel edges x, y, z in image space");
-  list.number("slope_blur_um", slope_blur_um, 0, 1000,
-              "rms blur of a sub-image beside the pixel, mended in depths (diffraction: about 0.33 lambda f/pitch)");
+  list.number("wavelength_nm", wavelength_nm, 0, 1e5, "of the light: gives the diffraction of the lenslets; 0: none");
+  list.number("slope_blur_um", slope_blur_um, 0, 1000, "rms blur of a sub-image beside pixel and diffraction");
   list.number("particle_radius_um", particle_radius_um, 0, 1e5, "in the object; gives C_min by eq. (7)");
   list.integer("min_count", min_count, 0, 65535, "C_min, rays through a voxel; 0: by eq. (7)");
-  list.choice("counting", counting, {"coarse", "exhaustive"},
-              "planes counted: those that depth resolution needs, or all");
+  list.choice("counting", counting, {"coarse_to_fine", "coarse", "exhaustive"},
+              "planes counted: those that show where particles are, those that depth resolution needs, or all");
   list.choice("classification", classification, {"auto", "local_maxima", "dbscan"}, "how voxels become candidates");
   list.number("density_limit", density_limit, 0, 1,
               "auto: fraction of voxels at C_min from which local maxima are used");
@@ -28,7 +28,16 @@ void LightFieldSettings::fields(FieldList& list) {
                "half-widths x, y, z of the box that a local maximum rules");
   list.flag("explain_away", explain_away, "a ray belongs to one particle only");
   list.integer("explain_rounds", explain_rounds, 1, 16, "how often the rays that are left are counted");
-  list.integer("max_hypotheses", max_hypotheses, 1, 16,
+  list.flag(
+      "refine", refine,
+      "fit the particles to the grey values: far more accurate, some 0.5 ms a particle (needs lens.image_f_number)");
+  list.integer("refine_sweeps", refine_sweeps, 1, 100, "sweeps of the fit over all particles");
+  list.integer("refine_rounds", refine_rounds, 1, 16,
+               "1: no search in what is left of the image; more: again and again");
+  list.number("noise_grey", noise_grey, 0.01, 1e4, "rms of a dark pixel");
+  list.number("electrons_per_grey", electrons_per_grey, 1e-3, 1e6, "gain of the camera: photoelectrons per grey level");
+  list.number("ghost_share", ghost_share, 0, 1, "less than this share of the median particle's light is a ghost");
+  list.integer("max_hypotheses", max_hypotheses, 1, 64,
                "lenslets that one pixel may belong to (overlapping sub-images)");
   list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
   list.integer("max_rays", max_rays, 1, 100000000, "rays in a frame; more are counted as overflow");

@@ -18,7 +18,6 @@ namespace rptv {
 namespace {
 
 constexpr double kMostVoxels = 2e9;
-constexpr double kCoarseOffset = 0.125;  // of a voxel
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::configuration, text); }
 
@@ -44,8 +43,18 @@ Range sensor_range(double axis_px, std::int64_t size_px, const LightFieldCalibra
           (static_cast<double>(size_px) - 0.5 - axis_px) * calibration.pixel_mm() * scale};
 }
 
+/// How far the outermost ray may be from where it is on the nearest plane, in voxels; 0: planes are as deep as voxels.
+double farthest_drift(const std::string& counting) {
+  return counting == "coarse_to_fine" ? 0.5 : counting == "coarse" ? 0.125 : 0;
+}
+
 std::int32_t voxels_in(Range range, double step_mm) {
   return static_cast<std::int32_t>(std::min(std::ceil((range.to - range.from) / step_mm - 1e-9), kMostVoxels));
+}
+
+/// First dark line of a lenslet's diffraction on the sensor, um.
+double diffraction_zero_um(const LightFieldSettings& settings, const LightFieldCalibration& calibration) {
+  return settings.wavelength_nm * 1e-3 * calibration.lenslets.focal_length_mm / calibration.pitch_mm();
 }
 
 }  // namespace
@@ -66,8 +75,9 @@ VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibrat
                            sensor_range(axis[1], calibration.sensor.height_px, calibration, z));
   const double step_x = settings.voxel_um.at(0) * 1e-3, step_y = settings.voxel_um.at(1) * 1e-3;
   double step_z = settings.voxel_um.at(2) * 1e-3;
-  if (settings.counting == "coarse" && slope_half_range > 0)
-    step_z = std::max(step_z, 2 * kCoarseOffset * std::min(step_x, step_y) / slope_half_range);
+  const double drift = farthest_drift(settings.counting) * std::min(step_x, step_y);
+  if (slope_half_range > 0) step_z = std::max(step_z, 2 * drift / slope_half_range);
+  if (settings.counting == "coarse_to_fine") step_z = (z.to - z.from) / voxels_in(z, step_z);  // fills the volume
   VoxelGrid grid;
   grid.size_x = voxels_in(x, step_x), grid.size_y = voxels_in(y, step_y), grid.planes = voxels_in(z, step_z);
   const double voxels = (grid.size_x + 2.0) * (grid.size_y + 2.0) * grid.planes;
@@ -106,7 +116,10 @@ ExplainOptions make_explain_options(const LightFieldSettings& settings, const Li
   const double turn = calibration.lenslets.rotation_deg * std::numbers::pi / 180;
   const double focal_mm = calibration.lenslets.focal_length_mm, pitch_mm = calibration.pitch_mm();
   const double radius_mm = settings.particle_radius_um * 1e-3 * calibration.magnification();
-  const double pixel = calibration.pixel_mm() / focal_mm, blur = settings.slope_blur_um * 1e-3 / focal_mm;
+  const double pixel = calibration.pixel_mm() / focal_mm;
+  // The part of a square lenslet's diffraction that is brighter than a usual threshold has this rms.
+  const double blur =
+      std::hypot(settings.slope_blur_um, 0.33 * diffraction_zero_um(settings, calibration)) * 1e-3 / focal_mm;
   ExplainOptions options;
   options.fit.gate = {std::cos(turn), std::sin(turn),
                       pitch_mm / 2 + (radius_mm > 0 ? std::min(radius_mm, pitch_mm / 2) : kUnknownRadius * pitch_mm),
@@ -117,12 +130,35 @@ ExplainOptions make_explain_options(const LightFieldSettings& settings, const Li
   options.fit.pitch_mm = pitch_mm;
   options.fit.min_support = std::max<double>(min_count, 3);
   options.claim = settings.explain_away;
-  const double last_z_mm = grid.z_mm(grid.planes - 1);
-  options.lowest_z_mm = grid.first_z_mm - grid.step_z_mm, options.highest_z_mm = last_z_mm + grid.step_z_mm;
+  const double voxel_mm = settings.voxel_um[2] * 1e-3;
+  options.lowest_z_mm = settings.volume_z_mm[0] - voxel_mm, options.highest_z_mm = settings.volume_z_mm[1] + voxel_mm;
   options.max_particles = static_cast<std::size_t>(settings.max_particles);
   options.max_candidates = 4 * options.max_particles;
   options.max_rays = static_cast<std::size_t>(settings.max_rays);
   options.threads = thread_count(settings.threads);
+  return options;
+}
+
+ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                                const ExplainOptions& explain) {
+  const double f_number = calibration.lens.image_f_number, pupil_mm = calibration.lens.exit_pupil_mm;
+  ShakeOptions options;
+  if (f_number > 0) options.model.pupil_radius_mm = 0.5 / f_number * (pupil_mm > 0 ? pupil_mm : 1);
+  options.model.particle_radius_mm = settings.particle_radius_um * 1e-3 * calibration.magnification();
+  options.model.spread_um = settings.slope_blur_um;
+  options.model.diffraction_zero_um = diffraction_zero_um(settings, calibration);
+  options.sweeps = settings.refine_sweeps;
+  options.dark_noise_grey = settings.noise_grey;
+  options.electrons_per_grey = settings.electrons_per_grey;
+  options.lowest_z_mm = explain.lowest_z_mm, options.highest_z_mm = explain.highest_z_mm;
+  // Where the cone of light is less than two lenslets wide.
+  if (f_number > 0) options.shallow_mm = 2 * calibration.pitch_mm() * f_number;
+  options.pitch_mm = calibration.pitch_mm();
+  if (f_number > 0) options.slope_rms = 0.25 / f_number;
+  options.satellite_mm = calibration.pitch_mm() / 4;
+  options.least_share = settings.ghost_share;
+  options.max_particles = explain.max_particles;
+  options.threads = explain.threads;
   return options;
 }
 

@@ -8,11 +8,12 @@
 #include "reconstruct/explain_away.hpp"
 #include "reconstruct/light_field_settings.hpp"
 #include "reconstruct/ray_count_kernel.hpp"
+#include "reconstruct/shake.hpp"
 
 namespace rptv {
 
-/// The volume of the settings, in voxels. `slope_half_range` decides the planes that coarse counting needs: on the
-/// nearest plane the outermost ray is at most an eighth of a voxel off. Throws Error(configuration).
+/// The volume of the settings, in voxels. `slope_half_range` decides the planes that are counted: on the nearest one
+/// the outermost ray is at most half a voxel off (coarse to fine) or an eighth (coarse). Throws Error(configuration).
 VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                     double slope_half_range);
 
@@ -22,5 +23,9 @@ std::uint16_t make_min_count(const LightFieldSettings& settings, const LightFiel
 /// Gates and limits of fitting and explaining away.
 ExplainOptions make_explain_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                                     const VoxelGrid& grid, std::uint16_t min_count);
+
+/// The forward model and the limits of its fit.
+ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                                const ExplainOptions& explain);
 
 }  // namespace rptv

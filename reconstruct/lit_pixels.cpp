@@ -1,43 +1,54 @@
 // SPDX-License-Identifier: MIT
-// The threshold pass: almost every pixel is dark, so blocks are tested whole first.
+// The threshold pass: 64 pixels are compared at once into a mask, and almost every mask is empty.
 #include "reconstruct/lit_pixels.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+
+#include "reconstruct/lit_mask.hpp"
 
 namespace rptv {
 
 namespace {
 
-constexpr std::size_t kBlock = 64;
-
 std::uint16_t saturated(double grey) noexcept {
   return static_cast<std::uint16_t>(std::clamp(std::floor(grey), 0.0, 65535.0));
 }
 
-template <class Pixel>
-bool any_lit(const Pixel* pixels, const std::uint16_t* limits) noexcept {
-  unsigned lit = 0;
-  for (std::size_t i = 0; i < kBlock; ++i) lit |= static_cast<unsigned>(pixels[i] > limits[i]);  // vectorised
-  return lit != 0;
-}
-
-template <class Pixel>
-std::size_t find(const Pixel* pixels, std::span<const std::uint16_t> limits, std::span<std::uint32_t> lit) noexcept {
+// Compiled once per instruction set: `Mask` gives the bits of 64 pixels above their limits.
+template <class Mask, class Pixel>
+[[gnu::always_inline]] inline std::size_t find(const Pixel* pixels, std::span<const std::uint16_t> limits,
+                                               std::span<std::uint32_t> lit) noexcept {
   std::size_t count = 0;
-  const auto test = [&](std::size_t i) {
-    if (pixels[i] <= limits[i]) return;
+  std::size_t i = 0;
+  for (; i + 64 <= limits.size(); i += 64) {
+    std::uint64_t mask = Mask::above(pixels + i, limits.data() + i);
+    if (mask == 0) continue;
+    if (count + 64 > lit.size()) break;
+    for (; mask != 0; mask &= mask - 1)
+      lit[count++] = static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(mask));
+  }
+  for (; i < limits.size(); ++i) {  // the last pixels, or those for which there may be no room
+    if (pixels[i] <= limits[i]) continue;
     if (count < lit.size()) lit[count] = static_cast<std::uint32_t>(i);
     ++count;
-  };
-  std::size_t i = 0;
-  for (; i + kBlock <= limits.size(); i += kBlock) {
-    if (!any_lit(pixels + i, limits.data() + i)) continue;
-    for (std::size_t k = i; k < i + kBlock; ++k) test(k);
   }
-  for (; i < limits.size(); ++i) test(i);
   return count;
 }
+
+#define RPTV_FIND(SET, TARGET, MASK)                                                           \
+  TARGET std::size_t find_##SET(const ImageView& image, std::span<const std::uint16_t> limits, \
+                                std::span<std::uint32_t> lit) noexcept {                       \
+    return image.shape.bytes_per_pixel == 1 ? find<MASK>(image.as_u8(), limits, lit)           \
+                                            : find<MASK>(image.as_u16(), limits, lit);         \
+  }
+
+RPTV_FIND(portable, , LitMask)
+#if defined(__x86_64__)
+RPTV_FIND(avx2, RPTV_LIT_AVX2, LitMaskAvx2)
+RPTV_FIND(avx512, RPTV_LIT_AVX512, LitMaskAvx512)
+#endif
 
 }  // namespace
 
@@ -51,9 +62,14 @@ DarkLimit::DarkLimit(const ImageView& background, double threshold) {
         (background.shape.bytes_per_pixel == 1 ? background.as_u8()[i] : background.as_u16()[i]) + threshold));
 }
 
-std::size_t find_lit_pixels(const ImageView& image, const DarkLimit& limit, std::span<std::uint32_t> lit) noexcept {
-  return image.shape.bytes_per_pixel == 1 ? find(image.as_u8(), limit.limits(), lit)
-                                          : find(image.as_u16(), limit.limits(), lit);
+std::size_t find_lit_pixels(const ImageView& image, const DarkLimit& limit, std::span<std::uint32_t> lit,
+                            InstructionSet set) noexcept {
+#if defined(__x86_64__)
+  if (set == InstructionSet::avx512) return find_avx512(image, limit.limits(), lit);
+  if (set == InstructionSet::avx2) return find_avx2(image, limit.limits(), lit);
+#endif
+  static_cast<void>(set);
+  return find_portable(image, limit.limits(), lit);
 }
 
 }  // namespace rptv

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/image.hpp"
+#include "reconstruct/instruction_set.hpp"
 
 namespace rptv {
 
@@ -27,6 +28,7 @@ class DarkLimit {
 
 /// Writes the indices (row·width + column) of pixels above their limit into `lit`, in raster order, and returns how
 /// many there are: more than lit.size() means that the last ones were left out. `image` has limit.size() pixels.
-std::size_t find_lit_pixels(const ImageView& image, const DarkLimit& limit, std::span<std::uint32_t> lit) noexcept;
+std::size_t find_lit_pixels(const ImageView& image, const DarkLimit& limit, std::span<std::uint32_t> lit,
+                            InstructionSet set = best_instruction_set()) noexcept;
 
 }  // namespace rptv

@@ -18,6 +18,10 @@ struct FittedParticle {
   double support = 0;  ///< rays that it explains
   double residual_mm = 0;
   FitCovariance covariance{};
+  double light = 0;       ///< grey values in all; 0: not fitted to the image
+  double seen = 0;        ///< share of its light that falls on the sensor
+  double gain = 0;        ///< χ² that it explains
+  double chi_square = 0;  ///< per pixel of its image; about 1 where the model and the noise are right
 };
 
 struct FitOptions {

@@ -7,6 +7,10 @@
 
 namespace rptv {
 
+namespace {
+constexpr std::size_t kAhead = 64;  // lit pixels are far apart in the table, and memory is slow
+}
+
 PixelsToRays::PixelsToRays(const LightFieldCalibration& calibration, const LensletLattice& lattice,
                            std::size_t hypotheses)
     : lattice_(lattice),
@@ -46,6 +50,7 @@ std::size_t PixelsToRays::convert(std::span<const std::uint32_t> lit, Rays& rays
   std::fill(first.begin(), first.end(), 0U);
   std::size_t total = 0, pixels = 0;
   for (; pixels < lit.size(); ++pixels) {  // count rays per lenslet
+    if (pixels + kAhead < lit.size()) __builtin_prefetch(&lenslets_[lit[pixels + kAhead] * hypotheses_]);
     const auto* mine = &lenslets_[lit[pixels] * hypotheses_];
     const auto have = static_cast<std::size_t>(
         std::count_if(mine, mine + hypotheses_, [](auto lenslet) { return lenslet != LensletLattice::kNone; }));
@@ -55,6 +60,7 @@ std::size_t PixelsToRays::convert(std::span<const std::uint32_t> lit, Rays& rays
   }
   for (std::size_t l = 1; l < first.size(); ++l) first[l] += first[l - 1];
   for (std::size_t p = pixels; p-- > 0;) {  // place them from behind; first[l + 1] walks down to the start of l
+    if (p >= kAhead) __builtin_prefetch(&lenslets_[lit[p - kAhead] * hypotheses_]);
     const auto* mine = &lenslets_[lit[p] * hypotheses_];
     for (std::size_t k = 0; k < hypotheses_ && mine[k] != LensletLattice::kNone; ++k) {
       const auto at = --first[mine[k] + 1];

@@ -28,11 +28,10 @@ class RayWindow {
     const double shrink = 1 - point.z * per_pupil_distance_;
     if (!(shrink > 0)) return;
     const auto [u, v] = lattice_.on_true_lattice(point.x / shrink, point.y / shrink);
-    const double turn = std::abs(lattice_.rotation_cosine()) + std::abs(lattice_.rotation_sine());
-    const double half = turn * (slope_half_range_ * std::abs(point.z) + reach_mm) / shrink / lattice_.pitch_mm();
+    const auto [half_u, half_v] = lattice_.reach((slope_half_range_ * std::abs(point.z) + reach_mm) / shrink);
     const double last_column = lattice_.columns() - 1.0, last_row = lattice_.rows() - 1.0;
-    const double low_u = std::max(std::ceil(u - half), 0.0), high_u = std::min(std::floor(u + half), last_column);
-    const double low_v = std::max(std::ceil(v - half), 0.0), high_v = std::min(std::floor(v + half), last_row);
+    const double low_u = std::max(std::ceil(u - half_u), 0.0), high_u = std::min(std::floor(u + half_u), last_column);
+    const double low_v = std::max(std::ceil(v - half_v), 0.0), high_v = std::min(std::floor(v + half_v), last_row);
     if (!(low_u <= high_u && low_v <= high_v)) return;
     for (auto row = static_cast<std::size_t>(low_v); row <= static_cast<std::size_t>(high_v); ++row) {
       const std::size_t start = row * lattice_.columns();

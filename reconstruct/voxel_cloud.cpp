@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Scan of the counters for voxels at or above C_min.
+// From marks to voxels.
 #include "reconstruct/voxel_cloud.hpp"
 
+#include <bit>
 #include <cmath>
 
 namespace rptv {
@@ -18,24 +19,23 @@ Candidate candidate_at(const RayCounter& counter, double x, double y, double z) 
           grid.first_z_mm + static_cast<float>(z) * grid.step_z_mm, rays};
 }
 
-std::size_t VoxelCloud::collect(const RayCounter& counter, std::uint16_t least) noexcept {
-  voxels_.clear();
+std::size_t VoxelCloud::collect(const RayCounter& counter) noexcept {
+  clear();
   const auto& grid = counter.grid();
   std::size_t refused = 0;
-  for (std::int32_t z = 0; z < grid.planes; ++z)
-    for (std::int32_t y = 1; y <= grid.size_y; ++y) {
-      const std::uint16_t* row = counter.plane(z).data() + grid.index(0, y);
-      std::uint16_t any = 0;
-      for (std::int32_t x = 1; x <= grid.size_x; ++x) any |= static_cast<std::uint16_t>(row[x] >= least);  // vectorised
-      if (any == 0) continue;
-      for (std::int32_t x = 1; x <= grid.size_x; ++x) {
-        if (row[x] < least) continue;
-        if (voxels_.size() < voxels_.capacity())
-          voxels_.push_back({x, y, z, row[x]});
-        else
-          ++refused;
+  for (std::int32_t z = 0; z < grid.planes; ++z) {
+    const auto marks = counter.marks(z);
+    const std::uint16_t* counts = counter.plane(z).data();
+    std::int32_t y = 0, row = 0;  // of the last mark; the marks go by rising index
+    for (std::size_t word = 0; word < marks.size(); ++word)
+      for (std::uint64_t left = marks[word]; left != 0; left &= left - 1) {
+        const auto index = static_cast<std::int32_t>(64 * word) + std::countr_zero(left);
+        while (index - row >= grid.stride()) ++y, row += grid.stride();
+        const std::int32_t x = index - row;
+        if (x < 1 || y < 1 || x > grid.size_x || y > grid.size_y) continue;
+        refused += !add({x, y, z, counts[index]});
       }
-    }
+  }
   return refused;
 }
 

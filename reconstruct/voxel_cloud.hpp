@@ -29,8 +29,16 @@ class VoxelCloud {
  public:
   explicit VoxelCloud(std::size_t capacity) { voxels_.reserve(capacity); }
 
-  /// Takes every inner voxel with at least `least` rays, eq. (7). Returns how many did not fit. Allocates nothing.
-  std::size_t collect(const RayCounter& counter, std::uint16_t least) noexcept;
+  /// Takes every inner voxel that the counter has marked. Returns how many did not fit. Allocates nothing.
+  std::size_t collect(const RayCounter& counter) noexcept;
+
+  void clear() noexcept { voxels_.clear(); }
+  /// Voxels must come in raster order. False when there is no room.
+  bool add(const CloudVoxel& voxel) noexcept {
+    if (voxels_.size() == voxels_.capacity()) return false;
+    voxels_.push_back(voxel);
+    return true;
+  }
 
   const std::vector<CloudVoxel>& voxels() const noexcept { return voxels_; }
   std::size_t capacity() const noexcept { return voxels_.capacity(); }

@@ -19,6 +19,7 @@ void add_run(CLI::App& app, Action& chosen);
 void add_check(CLI::App& app, Action& chosen);
 void add_show_config(CLI::App& app, Action& chosen);
 void add_reconstruct(CLI::App& app, Action& chosen);
+void add_calibrate(CLI::App& app, Action& chosen);
 void add_link(CLI::App& app, Action& chosen);
 void add_simulate(CLI::App& app, Action& chosen);
 void add_score(CLI::App& app, Action& chosen);

@@ -2,10 +2,8 @@
 // The two measurements, hand-over and round trip, and their table.
 #include "tests/bench/ring_bench.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fstream>
 #include <iomanip>
 #include <memory>
 #include <ostream>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "core/clock.hpp"
+#include "tests/bench/contest.hpp"
 #include "tests/bench/ring_peers.hpp"
 
 namespace rptv {
@@ -122,24 +121,19 @@ std::vector<Contender> contenders() {
   return all;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Median over the rounds of one's time over ours in the same round: virtual cores move between rounds, and a hand-over
 // between neighbours takes a fifth of one across the chip.
 double paired_ratio(const std::vector<double>& one, const std::vector<double>& ours) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < one.size(); ++i) ratios.push_back(one[i] / ours[i]);
-  return median(ratios);
+  return bench::median(ratios);
 }
 
 void print_row(std::ostream& out, const Contender& one, const Contender& ours) {
   out << "  " << std::left << std::setw(38) << one.name << std::right << std::fixed << std::setprecision(2)
-      << std::setw(9) << median(one.hand_over_ns) << std::setw(8) << paired_ratio(one.hand_over_ns, ours.hand_over_ns)
-      << std::setprecision(1) << std::setw(12) << median(one.round_trip_ns) << std::setprecision(2) << std::setw(8)
+      << std::setw(9) << bench::median(one.hand_over_ns) << std::setw(8)
+      << paired_ratio(one.hand_over_ns, ours.hand_over_ns) << std::setprecision(1) << std::setw(12)
+      << bench::median(one.round_trip_ns) << std::setprecision(2) << std::setw(8)
       << paired_ratio(one.round_trip_ns, ours.round_trip_ns) << '\n';
 }
 
@@ -155,20 +149,12 @@ void measure(std::ostream& out, const RingBenchOptions& options) {
   for (const Contender& one : all) print_row(out, one, all.front());
 }
 
-std::string machine() {
-  std::ifstream cpuinfo("/proc/cpuinfo");
-  for (std::string line; std::getline(cpuinfo, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown processor";
-}
-
 }  // namespace
 
 void bench_ring(std::ostream& out, const RingBenchOptions& options) {
   out << "one producer, one consumer, capacity " << options.capacity << "; medians of " << options.rounds
       << " alternating runs of " << options.items << " values and " << options.round_trips << " round trips\non "
-      << machine() << ", " << std::thread::hardware_concurrency()
-      << " cores; ratio: time over rptv::SpscRing's in the same round\n";
+      << bench::machine() << "; ratio: time over rptv::SpscRing's in the same round\n";
   measure<Small>(out, options);
   measure<CacheLine>(out, options);
 }

@@ -104,6 +104,46 @@ TEST(LensletLattice, lists_all_lenslets_whose_overlapping_sub_images_cover_a_pix
   }
 }
 
+TEST(LensletLattice, a_hexagonal_distorted_array_gives_every_pixel_the_nearest_spot) {
+  auto camera = small_camera(12, 50, 0);
+  camera.lenslets.shape = "hexagonal";
+  camera.lenslets.distortion_x_um = {0, 0, 2, 0, 0, -15, 0, -15, 0};
+  const LensletLattice lattice(camera);
+  for (int row = 0; row < 150; row += 7)
+    for (int column = 0; column < 200; column += 3) {
+      const double x = (column - 99.5) * 9e-3, y = (row - 74.5) * 9e-3;
+      std::array<std::uint32_t, 1> found{};
+      lattice.lenslets_of(x, y, found);
+      ASSERT_NE(found[0], LensletLattice::kNone);
+      const auto spot = lattice.spot_mm(found[0]);
+      // The border between two cells is straight on the undistorted lattice: a hundredth of a pitch at most.
+      ASSERT_NEAR(std::hypot(spot[0] - x, spot[1] - y), by_distance(lattice, x, y)[0].distance, 1.3e-3);
+    }
+}
+
+TEST(LensletLattice, a_masked_lenslet_gets_no_pixel_neither_alone_nor_among_others) {
+  auto camera = small_camera(3, 90, 14);
+  camera.mask = {-1, -1, 3, 3, {0, 0, 0, 0, 8, 0, 0, 0, 0}};  // lenslet (0, 0)
+  const LensletLattice masked(camera);
+  camera.mask = {};
+  const LensletLattice all(camera);
+  std::size_t lost = 0;
+  for (int row = 0; row < 150; ++row)
+    for (int column = 0; column < 200; ++column) {
+      const double x = (column - 99.5) * 9e-3, y = (row - 74.5) * 9e-3;
+      std::array<std::uint32_t, 9> with{}, without{};
+      all.lenslets_of(x, y, without), masked.lenslets_of(x, y, with);
+      std::vector<std::uint32_t> expected;
+      for (const auto lenslet : without)
+        if (lenslet != LensletLattice::kNone && masked.masked(lenslet) == 0) expected.push_back(lenslet);
+      lost += expected.size() < 9 && without[expected.size()] != LensletLattice::kNone ? 1 : 0;
+      for (std::size_t k = 0; k < expected.size(); ++k) ASSERT_EQ(with[k], expected[k]);
+      const auto end = expected.size() < with.size() ? with[expected.size()] : LensletLattice::kNone;
+      ASSERT_EQ(end, LensletLattice::kNone);
+    }
+  EXPECT_GT(lost, 500U);  // a sub-image of 0.27 mm
+}
+
 TEST(LensletLattice, refuses_a_lattice_beyond_memory) {
   auto camera = small_camera(0, 0, 0);
   camera.sensor = {65536, 65536, 1000, {}};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as tables of points and of tracks: rows or a refusal in one line, the same from memory and from a file.
+// Any bytes as tables of points, tracks and correspondences: rows or a refusal in one line, the same from memory and
+// from a file.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "calibration/correspondences.hpp"
 #include "core/error.hpp"
 #include "core/tables.hpp"
 
@@ -47,6 +49,18 @@ void compare(std::string_view text, const std::string& file) {
                         file, [&] { return Table(file); }, Row{}));
 }
 
+/// Correspondences are read whole: rows, or a refusal that names the file.
+Outcome correspondences(const std::string& name, auto read) {
+  Outcome outcome;
+  try {
+    outcome.rows = read().size();
+  } catch (const rptv::Error& error) {
+    require(std::strchr(error.what(), '\n') == nullptr && std::strncmp(error.what(), name.c_str(), name.size()) == 0);
+    outcome.refusal = error.what() + name.size();
+  }
+  return outcome;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -56,6 +70,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   compare<rptv::PointsReader, rptv::PointFrame>(text, file);
   compare<rptv::TracksReader, rptv::TrackRow>(text, file);
+  require(correspondences("t.csv", [&] { return rptv::parse_correspondences(text, "t.csv"); }) ==
+          correspondences(file, [&] { return rptv::read_correspondences(file); }));
   close(descriptor);
   return 0;
 }

@@ -20,7 +20,7 @@ VoxelGrid unit_grid(int x, int y, int planes) {
 }
 
 // Parallel rays to (x, y) of a one-plane grid make any picture of counters.
-RayCounter counter_of(const VoxelGrid& grid, int rays, unsigned seed) {
+RayCounter counter_of(const VoxelGrid& grid, int rays, unsigned seed, std::uint16_t least) {
   Rays all(static_cast<std::size_t>(rays), 1);
   std::mt19937 random(seed);
   std::normal_distribution<float> spread(0, 0.9F);
@@ -35,15 +35,15 @@ RayCounter counter_of(const VoxelGrid& grid, int rays, unsigned seed) {
   }
   all.size = all.pixels = all.ray.size();
   RayCounter counter(grid, all.capacity(), 1);
-  counter.count(all, {});
+  counter.count(all, {}, least);
   return counter;
 }
 
 TEST(VoxelCloud, holds_exactly_the_voxels_at_or_above_the_minimum) {
   const auto grid = unit_grid(61, 33, 7);
-  const auto counter = counter_of(grid, 4000, 1);
+  const auto counter = counter_of(grid, 4000, 1, 5);
   VoxelCloud cloud(100000), small(10);
-  EXPECT_EQ(cloud.collect(counter, 5), 0U);
+  EXPECT_EQ(cloud.collect(counter), 0U);
   std::size_t next = 0;
   for (int z = 0; z < grid.planes; ++z)
     for (int y = 1; y <= grid.size_y; ++y)
@@ -54,7 +54,7 @@ TEST(VoxelCloud, holds_exactly_the_voxels_at_or_above_the_minimum) {
         ASSERT_TRUE(v.x == x && v.y == y && v.z == z && v.count == counter.at(x, y, z));
       }
   EXPECT_EQ(next, cloud.voxels().size());
-  EXPECT_EQ(small.collect(counter, 5), next - 10);
+  EXPECT_EQ(small.collect(counter), next - 10);
 }
 
 struct Cloud3 {
@@ -72,9 +72,9 @@ struct Cloud3 {
 
 TEST(ClassifyLocalMaxima, finds_what_a_search_of_the_cloud_in_a_kd_tree_finds) {
   const auto grid = unit_grid(50, 40, 9);
-  const auto counter = counter_of(grid, 6000, 3);
+  const auto counter = counter_of(grid, 6000, 3, 4);
   VoxelCloud cloud(100000);
-  cloud.collect(counter, 4);
+  cloud.collect(counter);
   const std::array<std::int32_t, 3> half{2, 1, 3};
   std::vector<Candidate> candidates;
   candidates.reserve(10000);
@@ -138,11 +138,11 @@ std::vector<int> naive_dbscan(const std::vector<CloudVoxel>& v, double radius, s
 TEST(Dbscan, labels_as_its_definition_does) {
   const auto grid = unit_grid(40, 30, 6);
   for (unsigned seed = 1; seed <= 4; ++seed) {
-    const auto counter = counter_of(grid, 1500, seed);
+    const auto counter = counter_of(grid, 1500, seed, 5);
     VoxelCloud cloud(100000);
-    cloud.collect(counter, 5);
+    cloud.collect(counter);
     ASSERT_GT(cloud.voxels().size(), 50U);
-    for (const double radius : {1.0, 1.75, 2.5})
+    for (const double radius : {1.0, 1.7321, 1.9999, 2.5})
       for (const std::size_t min_points : {1U, 3U, 6U}) {
         Dbscan dbscan(grid, cloud.capacity(), radius, min_points);
         const auto expected = naive_dbscan(cloud.voxels(), radius, min_points);
@@ -156,9 +156,9 @@ TEST(Dbscan, labels_as_its_definition_does) {
 
 TEST(Dbscan, candidates_are_the_average_positions_of_clusters) {
   const auto grid = unit_grid(40, 30, 6);
-  const auto counter = counter_of(grid, 1500, 5);
+  const auto counter = counter_of(grid, 1500, 5, 5);
   VoxelCloud cloud(100000);
-  cloud.collect(counter, 5);
+  cloud.collect(counter);
   Dbscan dbscan(grid, cloud.capacity(), 1.75, 2);
   std::vector<Candidate> candidates;
   candidates.reserve(1000);

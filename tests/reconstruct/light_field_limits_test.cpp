@@ -19,7 +19,7 @@ TEST(LightField, survives_a_blinding_frame_and_counts_what_it_left_out) {
   PaintedImage blinding(small_camera());
   blinding.fill(60000);
   auto settings = small_settings();
-  settings.max_rays = 20000, settings.max_candidates = 1000, settings.max_particles = 20;
+  settings.counting = "coarse", settings.max_rays = 20000, settings.max_candidates = 1000, settings.max_particles = 20;
   LightField light_field(settings, small_camera(), {});
   Particles found(20);
   light_field.reconstruct(blinding.view(), found);
@@ -68,6 +68,8 @@ TEST(LightField, refuses_settings_that_contradict_the_camera) {
   EXPECT_THAT(refusal_of(settings, small_camera()), HasSubstr("voxel_um"));
   settings = small_settings(), settings.volume_x_mm = {1};
   EXPECT_THAT(refusal_of(settings, small_camera()), HasSubstr("volume_x_mm"));
+  settings = small_settings(), settings.classification = "dbscan";
+  EXPECT_THAT(refusal_of(settings, small_camera()), HasSubstr("coarse_to_fine"));
   const PaintedImage wrong(small_camera(100, 100));
   EXPECT_THROW(LightField(small_settings(), small_camera(), wrong.view()), Error);
 }

@@ -134,9 +134,11 @@ TEST(LightField, takes_a_background_away_and_8_bit_images) {
 TEST(LightField, allocates_nothing_after_construction) {
   if (!AllocationCounter::kCounts) GTEST_SKIP() << "the sanitizer has replaced malloc";
   const auto first = paint(scene(7)), second = paint(testing::scatter(60, 1.7, 1.2, -20, 10, 0.2, 8));
-  for (const char* classification : {"local_maxima", "dbscan"}) {
+  for (const std::array<const char*, 2> choice :
+       {std::array{"coarse_to_fine", "auto"}, std::array{"coarse", "local_maxima"}, std::array{"coarse", "dbscan"}}) {
     auto settings = small_settings();
-    settings.classification = classification;
+    const char* classification = choice[1];
+    settings.counting = choice[0], settings.classification = classification;
     LightField light_field(settings, small_camera(), {});
     Particles found(512);
     light_field.reconstruct(first.view(), found);

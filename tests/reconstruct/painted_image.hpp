@@ -2,6 +2,7 @@
 // Ideal light-field images of points: a pixel is lit when its ray passes a particle within the lenslet's cell.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -42,8 +43,14 @@ class PaintedImage {
     const double f = calibration_.lenslets.focal_length_mm, half = calibration_.pitch_mm() / 2 + radius_mm;
     const double cone = 0.5 / calibration_.lens.image_f_number, pupil = calibration_.lens.exit_pupil_mm;
     const auto axis = calibration_.optical_axis_px();
-    for (std::uint32_t row = 0; row < shape_.height_px; ++row)
-      for (std::uint32_t column = 0; column < shape_.width_px; ++column) {
+    // Pixels that can see it: round where the chief ray lands, generously.
+    const double shrink = (1 - p.z / pupil) / calibration_.apparent_scale(), pixel_mm = calibration_.pixel_mm();
+    const double reach_px = ((half + cone * std::abs(p.z)) * 1.5 / shrink + calibration_.pitch_mm()) * 2 / pixel_mm;
+    const double middle_x = p.x / shrink / pixel_mm + axis[0], middle_y = p.y / shrink / pixel_mm + axis[1];
+    const auto px = [](double at) { return static_cast<std::uint32_t>(std::max(0.0, at)); };
+    for (auto row = px(middle_y - reach_px); row < std::min(px(middle_y + reach_px), shape_.height_px); ++row)
+      for (auto column = px(middle_x - reach_px); column < std::min(px(middle_x + reach_px), shape_.width_px);
+           ++column) {
         const double x = (column - axis[0]) * calibration_.pixel_mm(), y = (row - axis[1]) * calibration_.pixel_mm();
         std::array<std::uint32_t, 1> lenslet{};
         lattice_.lenslets_of(x, y, lenslet);

@@ -44,7 +44,7 @@ TEST(RayCounter, counts_each_ray_once_on_each_plane_in_its_nearest_voxel) {
   const VoxelGrid grid = grid_of(37, 41, 23);
   const Rays rays = random_rays(5000, 7);
   RayCounter counter(grid, rays.capacity(), 1);
-  counter.count(rays, {});
+  counter.count(rays, {}, 1);
   std::uint64_t undecided = 0, differences = 0;
   for (int z = 0; z < grid.planes; ++z) {
     std::map<std::pair<long, long>, int> expected;
@@ -71,8 +71,8 @@ TEST(RayCounter, gives_the_same_integers_with_any_number_of_threads) {
   const VoxelGrid grid = grid_of(40, 30, 50);
   const Rays rays = random_rays(3000, 9);
   RayCounter one(grid, rays.capacity(), 1), three(grid, rays.capacity(), 3);
-  one.count(rays, {});
-  three.count(rays, {});
+  one.count(rays, {}, 1);
+  three.count(rays, {}, 1);
   for (int z = 0; z < grid.planes; ++z)
     ASSERT_TRUE(std::equal(one.plane(z).begin(), one.plane(z).end(), three.plane(z).begin()));
 }
@@ -81,7 +81,7 @@ TEST(RayCounter, agrees_with_its_own_kernel_called_ray_by_ray) {
   const VoxelGrid grid = grid_of(33, 29, 11);
   const Rays rays = random_rays(1000, 5);
   RayCounter counter(grid, rays.capacity(), 1);
-  counter.count(rays, {});
+  counter.count(rays, {}, 1);
   for (int z = 0; z < grid.planes; ++z) {
     std::vector<int> counts(static_cast<std::size_t>(grid.plane_size()));
     for (const Ray& ray : rays.all())
@@ -94,10 +94,10 @@ TEST(RayCounter, leaves_out_the_rays_of_taken_pixels_and_forgets_the_last_frame)
   const VoxelGrid grid = grid_of(20, 20, 4);
   const Rays rays = random_rays(100, 2);
   RayCounter counter(grid, rays.capacity(), 1);
-  counter.count(rays, {});
+  counter.count(rays, {}, 1);
   std::vector<std::uint8_t> taken(100, 1);
   taken[3] = taken[50] = 0;
-  counter.count(rays, taken);
+  counter.count(rays, taken, 1);
   std::uint64_t sum = 0;
   for (const auto count : counter.plane(2)) sum += count;
   EXPECT_EQ(sum, 2U);
@@ -109,7 +109,7 @@ TEST(RayCounter, stops_at_the_largest_count_instead_of_wrapping) {
   for (auto& ray : rays.ray) ray = {0, 0, 0, 0};
   rays.size = rays.pixels = 70000;
   RayCounter counter(grid, rays.capacity(), 1);
-  counter.count(rays, {});
+  counter.count(rays, {}, 1);
   EXPECT_EQ(counter.at(2, 2, 0), 65535);
 }
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// `rapidptv calibrate`: lenslets or volume.
+#include "daemon/commands/calibrate.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace rptv {
+
+void add_calibrate(CLI::App& app, Action& chosen) {
+  CLI::App* command = app.add_subcommand("calibrate", "Make a calibration from images or points");
+  command->require_subcommand(1);
+  command->footer(
+      "Examples:\n"
+      "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
+      "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml");
+  add_calibrate_lenslets(*command, chosen);
+  add_calibrate_volume(*command, chosen);
+}
+
+}  // namespace rptv

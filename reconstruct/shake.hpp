@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// Particles fitted to the grey values themselves: the light-field form of shaking (Wieneke 2013, Schanz et al. 2016).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/image.hpp"
+#include "reconstruct/particle_fit.hpp"
+#include "reconstruct/particle_image.hpp"
+#include "reconstruct/shake_step.hpp"
+
+namespace rptv {
+
+struct ShakeOptions {
+  ImageModelOptions model;
+  std::int64_t sweeps = 3;        ///< over all particles
+  double dark_noise_grey = 1;     ///< rms of a pixel without light, grey values
+  double electrons_per_grey = 4;  ///< gain: what makes shot noise of light
+  double lowest_z_mm = 0, highest_z_mm = 0;
+  double shallow_mm = 0;  ///< |z| below which few lenslets see a particle: its depth is searched, not stepped to
+  double pitch_mm = 0, slope_rms = 0;  ///< of the lenslets; of a particle's rays along an axis
+  double satellite_mm = 0;   ///< aside of a much brighter particle, within the shallow depth: its light, badly modelled
+  double least_share = 0.1;  ///< of the median particle's light: below it is a ghost
+  std::size_t max_particles = 4096;
+  std::size_t max_pixels = 1 << 16;  ///< of one particle's image
+  std::size_t threads = 1;
+};
+
+/// Each particle in turn is fitted (Levenberg-Marquardt, shot-noise weights) to what the others leave of the image. The
+/// sensor is cut into stripes that are wider than a particle's image; every other stripe at a time is worked on, so
+/// that neighbours never change under each other, and the result does not depend on the number of threads. Nothing
+/// allocates after construction; one thread calls.
+class Shake {
+ public:
+  /// `background`: grey values without light, one per pixel. Throws Error(configuration) without a pupil radius.
+  Shake(const LightFieldCalibration& calibration, const LensletLattice& lattice, const ShakeOptions& options,
+        std::vector<float> background);
+
+  /// Starts a frame with no particles. `image` must stay until the last call for this frame.
+  void begin(const ImageView& image) noexcept;
+  /// Fits particles[0 … n) to the image, moved in place; `first_new` and later are new since the last call. Those that
+  /// turn out to be ghosts, or leave the volume, are taken out. Returns how many are left, in unchanged order.
+  std::size_t refine(std::span<FittedParticle> particles, std::size_t first_new) noexcept;
+  /// Light of a pixel, grey values above background: what particles explain, and the rest.
+  float explained(std::uint32_t pixel) const noexcept { return std::max(explained_[pixel], 0.0F); }
+  float unexplained(std::uint32_t pixel) const noexcept { return grey(pixel) - explained_[pixel]; }
+
+ private:
+  struct Worker {
+    Worker(const ImageModel& m, std::size_t max_pixels)
+        : model(m), now(max_pixels), next(max_pixels), grey(max_pixels), others(max_pixels) {}
+    ImageModel model;
+    ParticleImage now, next;
+    std::vector<float> grey, others;
+  };
+  float grey(std::uint32_t pixel) const noexcept {
+    return (image_.shape.bytes_per_pixel == 1 ? static_cast<float>(image_.as_u8()[pixel])
+                                              : static_cast<float>(image_.as_u16()[pixel])) -
+           background_[pixel];
+  }
+  struct State {
+    FittedParticle particle;
+    ShakeSums sums;
+  };
+  Seen look(const ParticleImage& image, Worker& worker) const noexcept;
+  void paint(const ParticleImage& image, double light) noexcept;
+  void sort_into_stripes(std::span<const FittedParticle> particles) noexcept;
+  template <class Visit>
+  void for_each(std::span<FittedParticle> particles, const Visit& visit) noexcept;
+  void introduce(FittedParticle& particle, Worker& worker) noexcept;
+  void fit(FittedParticle& particle, Worker& worker, bool search) noexcept;
+  bool render(State& state, ParticleImage& image, Worker& worker) const noexcept;
+  void weigh(State& state, const ParticleImage& image, Worker& worker) const noexcept;
+  void climb(State& state, Worker& worker, int steps) const noexcept;
+  void search_depth(State& state, Worker& worker) const noexcept;
+  bool is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept;
+  void mark_ghosts(std::span<FittedParticle> particles) noexcept;
+  std::size_t drop_ghosts(std::span<FittedParticle> particles) noexcept;
+
+  const ShakeOptions options_;
+  const std::vector<float> background_;
+  const std::uint32_t width_px_;
+  const ChiefRay column_of_;
+  ImageView image_{};
+  std::vector<float> explained_;       // light of all particles, grey values
+  std::vector<std::uint8_t> painted_;  // blocks of explained_ that are not all 0
+  std::vector<Worker> workers_;
+  std::size_t stripes_ = 1;
+  double stripe_px_ = 0;
+  std::vector<std::uint32_t> order_, stripe_first_;  // particles by stripe
+  std::vector<float> lights_;                        // workspace
+};
+
+}  // namespace rptv
