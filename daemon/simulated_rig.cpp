@@ -22,8 +22,7 @@ double neighbour_distance_mm(const SeedingSettings& seeding) {
 /// A tenth of the grey value that a particle's light gives when spread over its own disc of slopes, above the
 /// background.
 double threshold_dn(const ScenarioSettings& scenario, const LightFieldOptics& optics) {
-  const double disc_px = scenario.lenslets.focal_length_mm * optics.exit_pupil_radius_mm() / optics.exit_pupil_mm() /
-                         (scenario.camera.pixel_um * 1e-3);
+  const double disc_px = scenario.lenslets.focal_length_mm * optics.cone_slope() / (scenario.camera.pixel_um * 1e-3);
   const double grey =
       scenario.seeding.photoelectrons / (std::numbers::pi * disc_px * disc_px + 1.0) / scenario.camera.gain_e_per_dn;
   const double noise =
@@ -31,16 +30,21 @@ double threshold_dn(const ScenarioSettings& scenario, const LightFieldOptics& op
   return std::max(0.1 * grey, 6.0 * noise + 1.0);
 }
 
+/// Lenslets that one pixel may belong to: as many sub-images as overlap in it at most.
+int hypotheses(const LightFieldOptics& optics) {
+  constexpr int kMost = 16;
+  const int across = static_cast<int>(std::ceil(optics.calibration().subimage_overlap() - 0.02));
+  return std::clamp(across * across, 1, kMost);
+}
+
 }  // namespace
 
 std::string rig_toml(const ScenarioSettings& scenario) {
   const LightFieldOptics optics(scenario);
-  const double half_depth = 0.5 * scenario.seeding.volume_z_mm;
+  const double half_depth = half_depth_mm(scenario);
   const double from = std::floor(optics.image_of({0, 0, half_depth}).z - 1);
   const double to = std::ceil(optics.image_of({0, 0, -half_depth}).z + 1);
-  const double step_mm = (2 * std::numbers::pi * scenario.flow.frequency_hz * scenario.flow.wall_amplitude_mm +
-                          std::hypot(scenario.flow.drift_x_mm_s, scenario.flow.drift_z_mm_s)) /
-                         scenario.rate_hz;
+  const double step_mm = make_flow(scenario)->fastest_mm_s() / scenario.rate_hz;
   const double range_mm = std::max(1.5 * step_mm, 0.9 * neighbour_distance_mm(scenario.seeding));
   return fmt::format(
       "# A configuration for this simulated run: rapidptv run --config rig.toml\n"
@@ -49,10 +53,11 @@ std::string rig_toml(const ScenarioSettings& scenario) {
       "[intake]\npolicy = \"bounded\"\ndepth = 32  # a third of a second at 100 Hz: what a busy machine may hold "
       "frames up\npool_frames = 40\n\n"
       "[light_field]\ncalibration = \"calibration.toml\"\nbackground_image = \"background.png\"\n"
-      "threshold = {:.1f}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = {:.1f}\nwavelength_nm = {:.1f}\n"
+      "threshold = {:.1f}\nmax_hypotheses = {}\nvolume_z_mm = [{:.1f}, {:.1f}]\nparticle_radius_um = "
+      "{:.1f}\nwavelength_nm = {:.1f}\n"
       "noise_grey = {:.3f}\nelectrons_per_grey = {:.3f}\n\n"
       "[linker]\nsearch_range_mm = {:.3f}\nmemory = 3\n",
-      threshold_dn(scenario, optics), from, to, scenario.seeding.particle_radius_um,
+      threshold_dn(scenario, optics), hypotheses(optics), from, to, scenario.seeding.particle_radius_um,
       scenario.lenslets.diffraction ? scenario.lenslets.wavelength_nm : 0.0,
       std::hypot(scenario.camera.read_noise_e, std::sqrt(scenario.camera.background_e)) / scenario.camera.gain_e_per_dn,
       scenario.camera.gain_e_per_dn, range_mm);

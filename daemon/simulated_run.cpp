@@ -8,6 +8,7 @@
 #include <atomic>
 #include <exception>
 #include <fstream>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -16,8 +17,8 @@
 #include "core/clock.hpp"
 #include "core/csv.hpp"
 #include "core/error.hpp"
-#include "core/tables.hpp"
 #include "daemon/progress.hpp"
+#include "daemon/truth_writer.hpp"
 #include "replay/image_file.hpp"
 #include "simulation/render_light_field.hpp"
 
@@ -29,7 +30,10 @@ SimulatedRunFiles::SimulatedRunFiles(const fs::path& folder)
     : frames(folder / "frames"),
       frame_times(frames / "frames.csv"),
       truth(folder / "truth.csv"),
+      volume_truth(folder / "volume_truth.csv"),
       white(folder / "white.png"),
+      white_stopped(folder / "white_stopped.png"),
+      dark(folder / "dark.png"),
       background(folder / "background.png"),
       calibration(folder / "calibration.toml"),
       scenario(folder / "scenario.toml"),
@@ -65,7 +69,7 @@ void write_text(const fs::path& file, const std::string& text) {
 class Frames {
  public:
   Frames(const ScenarioSettings& scenario, const SimulatedRunFiles& files)
-      : scenario_(scenario), files_(files), tracers_(scenario), progress_("simulate", count()) {}
+      : scenario_(scenario), files_(files), tracers_(scenario), truth_(files.truth), progress_("simulate", count()) {}
 
   /// Throws the first error of any thread.
   void write(unsigned threads) {
@@ -74,8 +78,16 @@ class Frames {
     for (unsigned i = 0; i < threads; ++i) workers.emplace_back([this, first] { work(first); });
     for (auto& worker : workers) worker.join();
     if (error_) std::rethrow_exception(error_);
+    truth_.close();
   }
-  std::uint64_t bytes() const noexcept { return bytes_; }
+
+  void report(SimulatedRunReport& report) const {
+    const auto frames = static_cast<double>(scenario_.frames);
+    report.bytes = bytes_;
+    report.rays = rays_;
+    report.particles_per_frame = static_cast<double>(truth_.lit()) / frames;
+    report.in_view_per_frame = static_cast<double>(truth_.in_view()) / frames;
+  }
 
  private:
   std::uint64_t count() const noexcept { return static_cast<std::uint64_t>(scenario_.frames); }
@@ -83,9 +95,12 @@ class Frames {
   void work(LightFieldRenderer renderer) try {
     std::vector<std::byte> pixels(renderer.shape().bytes());
     for (std::uint64_t frame = next_++; frame < count() && !stopped_; frame = next_++) {
-      renderer.render(tracers_.lit(frame), frame, pixels);
+      const auto tracers = tracers_.lit(frame);
+      renderer.render(tracers, frame, pixels);
+      truth_.deliver(frame, truth_records(renderer, tracers, frame, tracers_.time_s(frame)));
       write_png(files_.frame(frame), {pixels.data(), renderer.shape()}, renderer.bits());
       bytes_ += fs::file_size(files_.frame(frame));
+      rays_ += tracers.size() * renderer.rays();
       progress_.advance();
     }
   } catch (...) {
@@ -97,46 +112,42 @@ class Frames {
   const ScenarioSettings& scenario_;
   const SimulatedRunFiles& files_;
   const Tracers tracers_;
+  TruthWriter truth_;
   Progress progress_;
-  std::atomic<std::uint64_t> next_{0}, bytes_{0};
+  std::atomic<std::uint64_t> next_{0}, bytes_{0}, rays_{0};
   std::atomic<bool> stopped_{false};
   std::mutex failing_;
   std::exception_ptr error_;
 };
 
-void write_tables(const ScenarioSettings& scenario, const SimulatedRunFiles& files, SimulatedRunReport& report) {
-  const Tracers tracers(scenario);
-  const LightFieldRenderer renderer(scenario);
+void write_times(const ScenarioSettings& scenario, const SimulatedRunFiles& files) {
   CsvWriter times(files.frame_times, "frame,t");
-  CsvWriter truth(files.truth, "frame,particle,x,y,z,vx,vy,vz,residual,age,t,in_view");
-  std::uint64_t lit = 0, in_view = 0;
-  for (std::uint64_t frame = 0; frame < report.frames; ++frame) {
-    times.index(frame).number(tracers.time_s(frame)).end_row();
-    for (const auto& tracer : tracers.lit(frame)) {
-      const TruthRow row = truth_row(tracer, frame, tracers.time_s(frame));
-      const bool seen = renderer.in_view(tracer.position);
-      truth.index(frame).index(row.particle);
-      for (const double value : {row.x_mm, row.y_mm, row.z_mm, row.vx_mm_s, row.vy_mm_s, row.vz_mm_s, row.residual_mm})
-        truth.number(value);
-      truth.index(row.age).number(row.t_s).index(seen).end_row();
-      ++lit;
-      in_view += seen;
-    }
-  }
+  for (std::uint64_t frame = 0; frame < static_cast<std::uint64_t>(scenario.frames); ++frame)
+    times.index(frame).number(static_cast<double>(frame) / scenario.rate_hz).end_row();
   times.close();
-  truth.close();
-  report.particles_per_frame = static_cast<double>(lit) / static_cast<double>(report.frames);
-  report.in_view_per_frame = static_cast<double>(in_view) / static_cast<double>(report.frames);
+}
+
+void write_white(const ScenarioSettings& scenario, const fs::path& file) {
+  constexpr double kPeak = 0.7;  // of full scale
+  LightFieldRenderer renderer(scenario);
+  std::vector<std::byte> pixels(renderer.shape().bytes());
+  renderer.render_white(kPeak, pixels);
+  write_png(file, {pixels.data(), renderer.shape()}, renderer.bits());
 }
 
 void write_still_images(const ScenarioSettings& scenario, const SimulatedRunFiles& files) {
-  LightFieldRenderer renderer(scenario);
-  std::vector<std::byte> pixels(renderer.shape().bytes());
-  const ImageView view{pixels.data(), renderer.shape()};
-  renderer.render_background(pixels);
-  write_png(files.background, view, renderer.bits());
-  renderer.render_white(0.7, pixels);
-  write_png(files.white, view, renderer.bits());
+  constexpr double kStoppedDown = 0.25;  // of the working aperture's diameter
+  auto stopped =
+      std::async(std::launch::async, [&] { write_white(stopped_down(scenario, kStoppedDown), files.white_stopped); });
+  write_white(scenario, files.white);
+  stopped.get();
+  const Exposure exposure(scenario);
+  std::vector<std::byte> pixels(exposure.shape().bytes());
+  const ImageView view{pixels.data(), exposure.shape()};
+  exposure.mean_without_light(pixels);
+  write_png(files.background, view, static_cast<std::uint32_t>(scenario.camera.bits));
+  exposure.expose_dark(pixels);
+  write_png(files.dark, view, static_cast<std::uint32_t>(scenario.camera.bits));
 }
 
 std::string toml_of(ScenarioSettings scenario) {
@@ -147,22 +158,28 @@ std::string toml_of(ScenarioSettings scenario) {
 
 }  // namespace
 
-SimulatedRunReport write_simulated_run(const ScenarioSettings& scenario, const SimulatedRunOptions& options) {
+SimulatedRunReport write_simulated_run(const ScenarioSettings& wanted, const SimulatedRunOptions& options) {
   const std::int64_t start_ns = host_now_ns();
-  check_scenario(scenario, "scenario");
+  check_scenario(wanted, "scenario");
+  const LightFieldOptics optics(wanted);
+  ScenarioSettings scenario = wanted;
+  scenario.seeding.particles = optics.particles_in_box();
   const SimulatedRunFiles files(options.folder);
   make_folder(files.frames);
   remove_frames(files.frames);
   SimulatedRunReport report;
   report.frames = static_cast<std::uint64_t>(scenario.frames);
   write_text(files.scenario, toml_of(scenario));
-  write_light_field_calibration(LightFieldOptics(scenario).calibration(), files.calibration);
+  write_light_field_calibration(optics.calibration(), files.calibration);
   write_text(files.rig, rig_toml(scenario));
-  write_tables(scenario, files, report);
+  write_times(scenario, files);
+  write_volume_truth(files.volume_truth, scenario, optics);
   write_still_images(scenario, files);
+  const std::int64_t frames_ns = host_now_ns();
   Frames frames(scenario, files);
   frames.write(options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()));
-  report.bytes = frames.bytes();
+  frames.report(report);
+  report.frames_elapsed_s = 1e-9 * static_cast<double>(host_now_ns() - frames_ns);
   report.elapsed_s = 1e-9 * static_cast<double>(host_now_ns() - start_ns);
   return report;
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Stokes' second problem in closed form.
+// Stokes' second problem in closed form, and the choice between flows.
 #include "simulation/flow.hpp"
 
 #include <cmath>
+
+#include "simulation/duct_flow.hpp"
 
 namespace rptv {
 
@@ -27,6 +29,16 @@ Vector3 OscillatingWallFlow::velocity(double y_mm, double time_s) const noexcept
   const double w = omega_rad_s();
   return {amplitude_mm(y_mm) * w * std::cos(w * time_s + phase_rad(y_mm)) + settings_.drift_x_mm_s, 0.0,
           settings_.drift_z_mm_s};
+}
+
+double OscillatingWallFlow::fastest_mm_s() const noexcept {
+  return omega_rad_s() * settings_.wall_amplitude_mm + std::hypot(settings_.drift_x_mm_s, settings_.drift_z_mm_s);
+}
+
+std::unique_ptr<const Flow> make_flow(const ScenarioSettings& scenario) {
+  if (scenario.flow.kind == "duct") return std::make_unique<DuctFlow>(scenario.duct);
+  if (scenario.flow.kind == "oscillating_wall") return std::make_unique<OscillatingWallFlow>(scenario.flow);
+  return std::make_unique<StillFlow>();
 }
 
 }  // namespace rptv

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays from the exit pupil through a particle's image to lenslet and sensor; diffraction; Poisson and read noise.
+// Rays through main lens and lenslet to the sensor, and diffraction.
 #include "simulation/render_light_field.hpp"
 
 #include <algorithm>
@@ -17,8 +17,6 @@ constexpr std::uint64_t kNoiseStream = std::uint64_t{2} << 56;
 constexpr std::uint64_t kWhiteStream = std::uint64_t{3} << 56;
 constexpr int kIntegrationSteps = 400;
 
-double fraction(double value) { return value - std::floor(value); }
-
 /// sinc^2 of a square lenslet integrated over pixels, for light that falls `offset` px right of a pixel's centre.
 void fill_kernel_row(double offset, double zero_px, int reach, float* row) {
   double sum = 0;
@@ -35,11 +33,6 @@ void fill_kernel_row(double offset, double zero_px, int reach, float* row) {
   for (int tap = 0; tap <= 2 * reach; ++tap) row[tap] = static_cast<float>(row[tap] / sum);
 }
 
-template <class Pixel>
-Pixel to_grey(double value, double full_scale) noexcept {
-  return static_cast<Pixel>(std::lrint(std::clamp(value, 0.0, full_scale)));
-}
-
 }  // namespace
 
 LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
@@ -47,36 +40,46 @@ LightFieldRenderer::LightFieldRenderer(const ScenarioSettings& scenario)
       optics_(scenario),
       shape_{static_cast<std::uint32_t>(scenario.camera.width_px),
              static_cast<std::uint32_t>(scenario.camera.height_px), scenario.camera.bits > 8 ? 2U : 1U},
+      exposure_(scenario),
+      samples_(particle_samples(static_cast<std::size_t>(scenario.rays_per_particle))),
       expected_(shape_.pixels()) {
-  // R4 low-discrepancy sequence: powers of the root of x^5 = x + 1, mapped to two discs.
-  constexpr double kRoot = 1.1673039782614187;
-  for (std::int64_t i = 0; i < scenario.rays_per_particle; ++i) {
-    const auto n = static_cast<double>(i) + 0.5;
-    const double pupil = std::sqrt(fraction(n / kRoot));
-    const double pupil_angle = 2 * std::numbers::pi * fraction(n / std::pow(kRoot, 2));
-    const double body = std::sqrt(fraction(n / std::pow(kRoot, 3)));
-    const double body_angle = 2 * std::numbers::pi * fraction(n / std::pow(kRoot, 4));
-    rays_.push_back({static_cast<float>(pupil * std::cos(pupil_angle)),
-                     static_cast<float>(pupil * std::sin(pupil_angle)), static_cast<float>(body * std::cos(body_angle)),
-                     static_cast<float>(body * std::sin(body_angle))});
-  }
+  rays_.resize(samples_.size());
+  landings_.resize(samples_.size());
   const auto& lenslets = scenario.lenslets;
-  const double zero_px = lenslets.wavelength_nm * 1e-6 * lenslets.focal_length_mm / lenslets.pitch_mm /
-                         (scenario.camera.pixel_um * 1e-3);  // first zero of the sinc
-  reach_px_ = lenslets.diffraction ? std::max(1, static_cast<int>(std::ceil(2.5 * zero_px))) : 0;
+  if (lenslets.diffraction)
+    zero_px_ = lenslets.wavelength_nm * 1e-6 * lenslets.focal_length_mm / lenslets.pitch_mm /
+               (scenario.camera.pixel_um * 1e-3);
+  reach_px_ = lenslets.diffraction ? std::max(1, static_cast<int>(std::ceil(2.5 * zero_px_))) : 0;
   const auto taps = static_cast<std::size_t>(2 * reach_px_ + 1);
   kernel_.assign(kOffsets * taps, 1.0F);
   if (reach_px_ == 0) return;
   for (int i = 0; i < kOffsets; ++i)
-    fill_kernel_row((i + 0.5) / kOffsets - 0.5, zero_px, reach_px_, &kernel_[static_cast<std::size_t>(i) * taps]);
+    fill_kernel_row((i + 0.5) / kOffsets - 0.5, zero_px_, reach_px_, &kernel_[static_cast<std::size_t>(i) * taps]);
 }
 
-bool LightFieldRenderer::in_view(const Vector3& object) const noexcept {
-  const double radius = scenario_.seeding.particle_radius_um * 1e-3 * optics_.magnification(object.z);
-  return optics_.fully_in_view(optics_.image_of(object), radius, 1.0);
+bool LightFieldRenderer::lands_inside(const SensorPoint& at) const noexcept {
+  constexpr double kMargin = 0.5;  // a pixel from the border of the sensor
+  return at.column >= kMargin && at.row >= kMargin && at.column <= shape_.width_px - 1.0 - kMargin &&
+         at.row <= shape_.height_px - 1.0 - kMargin;
+}
+
+bool LightFieldRenderer::in_view(const Vector3& object) noexcept {
+  const double radius = scenario_.seeding.particle_radius_um * 1e-3;
+  if (optics_.lens().is_ideal())
+    return optics_.fully_in_view(optics_.image_of(object), radius * optics_.magnification(object.z), 1.0);
+  optics_.lens().trace(object, radius, samples_, 0, rays_);
+  bool seen = false;
+  optics_.lenslets().land(rays_, std::nullopt, landings_);
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    if (!(rays_[i].weight > 0)) continue;
+    if (!lands_inside(optics_.sensor_point(landings_[i]))) return false;
+    seen = true;
+  }
+  return seen;
 }
 
 void LightFieldRenderer::add_light(const SensorPoint& at, float photoelectrons) noexcept {
+  if (!(std::abs(at.column) < 1e6 && std::abs(at.row) < 1e6)) return;  // a lost ray is not a number
   const int column = static_cast<int>(std::floor(at.column + 0.5)), row = static_cast<int>(std::floor(at.row + 0.5));
   const int width = static_cast<int>(shape_.width_px), height = static_cast<int>(shape_.height_px);
   if (column < -reach_px_ || row < -reach_px_ || column >= width + reach_px_ || row >= height + reach_px_) return;
@@ -96,100 +99,71 @@ void LightFieldRenderer::add_light(const SensorPoint& at, float photoelectrons) 
   }
 }
 
-void LightFieldRenderer::add_particle(const Vector3& object, Random& random) {
-  const Vector3 centre = optics_.image_of(object);
-  const double body = scenario_.seeding.particle_radius_um * 1e-3 * optics_.magnification(object.z);
-  const double turn = random.uniform(0, 2 * std::numbers::pi);  // no two particles share the quadrature's pattern
-  const double c = std::cos(turn), s = std::sin(turn), pupil = optics_.exit_pupil_radius_mm();
-  const auto share = static_cast<float>(scenario_.seeding.photoelectrons * optics_.brightness(object.z) /
-                                        static_cast<double>(rays_.size()));
-  for (const auto& ray : rays_) {
-    const Vector3 image{centre.x + body * ray.body_x, centre.y + body * ray.body_y, centre.z};
-    add_light(
-        optics_.trace(image, pupil * (c * ray.pupil_x - s * ray.pupil_y), pupil * (s * ray.pupil_x + c * ray.pupil_y)),
-        share);
+void LightFieldRenderer::add_particle(const Vector3& object, double turn_rad) {
+  const double body = scenario_.seeding.particle_radius_um * 1e-3;
+  const double share =
+      scenario_.seeding.photoelectrons * optics_.brightness(object.z) / static_cast<double>(samples_.size());
+  ParticleLight light{0, true};
+  optics_.lens().trace(object, body, samples_, turn_rad, rays_);
+  optics_.lenslets().land(rays_, std::nullopt, landings_);
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    const double weight = rays_[i].weight;
+    if (!(weight > 0)) continue;
+    const SensorPoint point = optics_.sensor_point(landings_[i]);
+    add_light(point, static_cast<float>(share * weight));
+    light.photoelectrons += share * weight;
+    light.in_view = light.in_view && lands_inside(point);
   }
+  if (optics_.lens().is_ideal())
+    light.in_view = optics_.fully_in_view(optics_.image_of(object), body * optics_.magnification(object.z), 1.0);
+  light.in_view = light.in_view && light.photoelectrons > 0;
+  lights_.push_back(light);
 }
 
 void LightFieldRenderer::render(std::span<const Tracer> tracers, std::uint64_t frame, std::span<std::byte> pixels) {
   std::fill(expected_.begin(), expected_.end(), 0.0F);
+  lights_.clear();
   Random random(static_cast<std::uint64_t>(scenario_.seed), kRayStream | frame);
-  for (const auto& tracer : tracers) add_particle(tracer.position, random);
-  expose(kNoiseStream | frame, pixels);
+  for (const auto& tracer : tracers)  // turned, so that no two particles share the quadrature's pattern
+    add_particle(tracer.position, random.uniform(0, 2 * std::numbers::pi));
+  exposure_.expose(expected_, kNoiseStream | frame, pixels);
 }
 
 void LightFieldRenderer::render_white(double peak, std::span<std::byte> pixels) {
   std::fill(expected_.begin(), expected_.end(), 0.0F);
   const auto& array = scenario_.lenslets;
-  const double pitch_px = array.pitch_mm / (scenario_.camera.pixel_um * 1e-3);
-  const double disc_px = std::numbers::pi * std::pow(pitch_px * array.focal_length_mm / array.pitch_mm *
-                                                         optics_.exit_pupil_radius_mm() / optics_.exit_pupil_mm(),
-                                                     2);
-  const double full =
-      (std::pow(2.0, static_cast<double>(scenario_.camera.bits)) - 1 - scenario_.camera.black_level_dn) *
-      scenario_.camera.gain_e_per_dn;
-  const auto share = static_cast<float>(peak * full * std::max(1.0, disc_px) / static_cast<double>(rays_.size()));
+  const double pixel_mm = scenario_.camera.pixel_um * 1e-3, pitch_px = array.pitch_mm / pixel_mm;
+  const double radius_px = array.focal_length_mm * optics_.cone_slope() / pixel_mm;
+  const double disc_px = std::max(1.0, std::numbers::pi * radius_px * radius_px);
+  constexpr double kRaysPerSpot = 6, kFewestRays = 128, kMostRays = 4096;  // spot: a pixel, or diffraction's if larger
+  const double spot_px = std::max(1.0, zero_px_ * zero_px_);
+  const auto samples =
+      lenslet_samples(static_cast<std::size_t>(std::clamp(kRaysPerSpot * disc_px / spot_px, kFewestRays, kMostRays)));
+  std::vector<ArrayRay> rays(samples.size());
+  std::vector<SensorMm> landings(samples.size());
+  const double overlap = std::max(1.0, disc_px / (pitch_px * pitch_px));  // as many lenslets light a pixel
+  const double share = peak * exposure_.full_well_e() * disc_px / overlap / static_cast<double>(samples.size());
   const double half_diagonal = 0.5 * scenario_.camera.pixel_um * 1e-3 * std::hypot(shape_.width_px, shape_.height_px);
   const long reach =
-      std::lround((half_diagonal + std::hypot(array.offset_x_mm, array.offset_y_mm)) / array.pitch_mm) + 2;
+      std::lround((half_diagonal + std::hypot(array.offset_x_mm, array.offset_y_mm) + radius_px * pixel_mm) /
+                  array.pitch_mm) +
+      2;
+  const double margin = pitch_px + radius_px;
   for (long v = -reach; v <= reach; ++v)
     for (long u = -reach; u <= reach; ++u) {
       const auto spot = optics_.white_spot({u, v});
-      if (spot.column < -pitch_px || spot.row < -pitch_px || spot.column > shape_.width_px + pitch_px ||
-          spot.row > shape_.height_px + pitch_px)
+      if (spot.column < -margin || spot.row < -margin || spot.column > shape_.width_px + margin ||
+          spot.row > shape_.height_px + margin)
         continue;
       const auto centre = optics_.lenslet_centre({u, v});
-      const double cell = 0.499 * array.pitch_mm;  // rays meet the disc inside the cell, so trace() stays in it
-      for (const auto& ray : rays_) {
-        const Vector3 point{centre[0] + cell * ray.body_x, centre[1] + cell * ray.body_y, 0};
-        const double pupil = optics_.exit_pupil_radius_mm();
-        add_light(optics_.trace(point, pupil * ray.pupil_x, pupil * ray.pupil_y), share);
-      }
+      constexpr double kCell = 0.5;  // rays meet the disc inside the cell
+      optics_.lens().white(centre[0], centre[1], kCell * array.pitch_mm, samples, rays);
+      optics_.lenslets().land(rays, Lenslet{u, v}, landings);
+      for (std::size_t i = 0; i < rays.size(); ++i)
+        if (rays[i].weight > 0)
+          add_light(optics_.sensor_point(landings[i]), static_cast<float>(share * rays[i].weight));
     }
-  expose(kWhiteStream, pixels);
-}
-
-void LightFieldRenderer::render_background(std::span<std::byte> pixels) const {
-  const auto& camera = scenario_.camera;
-  const double full_scale = std::pow(2.0, static_cast<double>(camera.bits)) - 1;
-  const double value = camera.black_level_dn + camera.background_e / camera.gain_e_per_dn;
-  if (shape_.bytes_per_pixel == 1)
-    std::fill_n(reinterpret_cast<std::uint8_t*>(pixels.data()), shape_.pixels(),
-                to_grey<std::uint8_t>(value, full_scale));
-  else
-    std::fill_n(reinterpret_cast<std::uint16_t*>(pixels.data()), shape_.pixels(),
-                to_grey<std::uint16_t>(value, full_scale));
-}
-
-void LightFieldRenderer::expose(std::uint64_t stream, std::span<std::byte> pixels) const {
-  if (shape_.bytes_per_pixel == 1)
-    expose_as(stream, reinterpret_cast<std::uint8_t*>(pixels.data()));
-  else
-    expose_as(stream, reinterpret_cast<std::uint16_t*>(pixels.data()));
-}
-
-template <class Pixel>
-void LightFieldRenderer::expose_as(std::uint64_t stream, Pixel* pixels) const {
-  const auto& camera = scenario_.camera;
-  const double full_scale = std::pow(2.0, static_cast<double>(camera.bits)) - 1;
-  const double per_electron = 1.0 / camera.gain_e_per_dn;
-  if (!camera.noise) {
-    for (std::size_t i = 0; i < expected_.size(); ++i)
-      pixels[i] =
-          to_grey<Pixel>((expected_[i] + camera.background_e) * per_electron + camera.black_level_dn, full_scale);
-    return;
-  }
-  Random random(static_cast<std::uint64_t>(scenario_.seed), stream);
-  const float* normal = normal_table();
-  std::uint64_t four = 0;
-  for (std::size_t i = 0; i < expected_.size(); ++i) {
-    if (i % 4 == 0) four = random.bits();
-    const double mean = static_cast<double>(expected_[i]) + camera.background_e;
-    const double electrons = mean > 0 ? random.poisson(mean) : 0.0;
-    const double read = camera.read_noise_e * static_cast<double>(normal[four & 0xffff]);
-    four >>= 16;
-    pixels[i] = to_grey<Pixel>((electrons + read) * per_electron + camera.black_level_dn, full_scale);
-  }
+  exposure_.expose(expected_, kWhiteStream, pixels);
 }
 
 }  // namespace rptv

@@ -7,15 +7,24 @@
 #include <vector>
 
 #include "core/image.hpp"
+#include "simulation/exposure.hpp"
 #include "simulation/optics.hpp"
+#include "simulation/quadrature.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scenario.hpp"
 #include "simulation/tracers.hpp"
 
 namespace rptv {
 
-/// Renders frames, the white image and the dark image of one scenario. Every image depends on the scenario and its
-/// frame number only. One thread per object: it owns a workspace; copies are cheap enough to have one per thread.
+/// What became of one particle's light in the last render().
+struct ParticleLight {
+  double photoelectrons = 0;  ///< expected, through the lens, wherever they land
+  bool in_view = false;       ///< its whole image is on the sensor
+};
+
+/// Renders frames and white images of one scenario (Exposure makes those without light). Every image depends on the
+/// scenario and its frame number only. One thread per object: it owns a workspace; copies are cheap enough to have one
+/// per thread.
 class LightFieldRenderer {
  public:
   explicit LightFieldRenderer(const ScenarioSettings& scenario);
@@ -28,29 +37,30 @@ class LightFieldRenderer {
   void render(std::span<const Tracer> tracers, std::uint64_t frame, std::span<std::byte> pixels);
   /// Evenly lit exit pupil: one spot per lenslet, `peak` of full scale, with noise.
   void render_white(double peak, std::span<std::byte> pixels);
-  /// Mean image without particles: black level and stray light, rounded, no noise.
-  void render_background(std::span<std::byte> pixels) const;
-  /// Whole image of the particle is on the sensor.
-  bool in_view(const Vector3& object) const noexcept;
+  /// Whole image of the particle is on the sensor, a pixel from the border.
+  bool in_view(const Vector3& object) noexcept;
+  /// Of the last render(), in the order of its tracers.
+  std::span<const ParticleLight> lights() const noexcept { return lights_; }
+  /// Rays that one particle takes, and one lenslet of a white image.
+  std::size_t rays() const noexcept { return samples_.size(); }
 
   /// Expected photoelectrons per pixel of the last render() or render_white(), without stray light; row-major.
   std::span<const float> expected() const noexcept { return expected_; }
 
  private:
-  struct RaySample {
-    float pupil_x, pupil_y;  ///< in the unit disc
-    float body_x, body_y;    ///< in the unit disc
-  };
-  void add_particle(const Vector3& object, Random& random);
+  void add_particle(const Vector3& object, double turn_rad);
+  bool lands_inside(const SensorPoint& at) const noexcept;
   void add_light(const SensorPoint& at, float photoelectrons) noexcept;
-  void expose(std::uint64_t stream, std::span<std::byte> pixels) const;
-  template <class Pixel>
-  void expose_as(std::uint64_t stream, Pixel* pixels) const;
 
   ScenarioSettings scenario_;
   LightFieldOptics optics_;
   ImageShape shape_;
-  std::vector<RaySample> rays_;
+  Exposure exposure_;
+  std::vector<RaySample> samples_;
+  std::vector<ArrayRay> rays_;  ///< workspace, one per sample
+  std::vector<SensorMm> landings_;
+  std::vector<ParticleLight> lights_;
+  double zero_px_ = 0;         ///< diffraction: first zero of the sinc; 0: none
   int reach_px_ = 0;           ///< the diffraction kernel spans 2 reach + 1 pixels
   std::vector<float> kernel_;  ///< [sub-pixel offset][2 reach + 1], each row sums to 1
   std::vector<float> expected_;

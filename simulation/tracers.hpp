@@ -2,9 +2,12 @@
 // The particles of a scenario: where each one is at any time, and while which frames it is lit.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "simulation/flow.hpp"
+#include "simulation/random.hpp"
 #include "simulation/scenario.hpp"
 #include "simulation/truth.hpp"
 
@@ -19,22 +22,31 @@ struct Tracer {
 
 /// Uniform in the lit box at every time: the seeding reaches upstream as far as the drift carries particles during the
 /// run. A particle is lit while its rest position (without the swing) is in the box, so that the swing never cuts one
-/// in two. Immutable after construction; any thread.
+/// in two. Layers and random positions do not move; the latter are new particles in every frame. A table gives
+/// positions (and velocities, when it has them) as they are. Immutable after construction; any thread.
 class Tracers {
  public:
+  /// Throws Error(no_input, bad_data) when a table of positions cannot be read.
   explicit Tracers(const ScenarioSettings& scenario);
   double time_s(std::uint64_t frame) const noexcept { return static_cast<double>(frame) / scenario_.rate_hz; }
   /// The lit particles of a frame, by rising identity.
   std::vector<Tracer> lit(std::uint64_t frame) const;
-  std::size_t size() const noexcept { return rest_.size(); }
-  const OscillatingWallFlow& flow() const noexcept { return flow_; }
+  std::size_t size() const noexcept { return rest_.size(); }  ///< moving or still ones
+  const Flow& flow() const noexcept { return *flow_; }
 
  private:
-  bool is_lit(const Vector3& rest, double time_s) const noexcept;
+  void seed_layers();
+  void seed_box();
+  void read_table();
+  bool is_lit(std::size_t tracer, double time_s) const noexcept;
+  std::vector<Tracer> random_positions(std::uint64_t frame) const;
+
   ScenarioSettings scenario_;
-  OscillatingWallFlow flow_;
-  std::vector<Vector3> rest_;  ///< at t = 0
+  std::shared_ptr<const Flow> flow_;
+  double half_depth_;                  ///< of the lit box, along z
+  std::vector<Vector3> rest_, drift_;  ///< positions at t = 0, mean velocities
   std::vector<std::uint64_t> first_lit_;
+  std::map<std::uint64_t, std::vector<Tracer>> table_;  ///< by frame
 };
 
 /// Truth row of a tracer; `in_view` is for the caller to fill.

@@ -13,6 +13,8 @@
 #include "daemon/commands/command.hpp"
 #include "proto/wire.hpp"
 #include "replay/image_file.hpp"
+#include "simulation/lens_analysis.hpp"
+#include "simulation/shipped_file.hpp"
 #include "simulation/truth.hpp"
 
 namespace rptv {
@@ -22,6 +24,7 @@ namespace fs = std::filesystem;
 
 struct InfoOptions {
   std::vector<fs::path> files;
+  bool lenses = false;
 };
 
 void describe_build() {
@@ -77,6 +80,15 @@ void describe_calibration(const fs::path& file) {
   for (const std::string& warning : calibration.warnings()) std::cout << "  " << warning << '\n';
 }
 
+void describe_prescription(const fs::path& file) {
+  std::cout << file.string() << ": " << describe_lens(read_prescription(file), 0, 0);
+}
+
+void describe_installed_lenses() {
+  for (const std::string& name : shipped_names("prescriptions"))
+    describe_prescription(find_shipped("prescriptions", name));
+}
+
 void describe(const fs::path& file) {
   if (!fs::exists(file)) throw Error(ExitCode::no_input, file.string() + ": no such file or folder; check the path");
   const std::string ending = file.extension().string();
@@ -84,6 +96,8 @@ void describe(const fs::path& file) {
     describe_folder(file);
   else if (ending == ".csv")
     describe_table(file);
+  else if (ending == ".toml" && is_prescription(file))
+    describe_prescription(file);
   else if (ending == ".toml")
     describe_calibration(file);
   else
@@ -96,11 +110,20 @@ void add_info(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand("info", "Say what this build is, or what files hold");
   command->add_option("files", options->files,
-                      "images, folders of images, points or tracks (CSV), calibrations (TOML)");
-  command->footer("Examples:\n  rapidptv info\n  rapidptv info recording/ tracks.csv calibration.toml");
+                      "images, folders of images, points or tracks (CSV), calibrations or lens prescriptions (TOML)");
+  command->add_flag("--lenses", options->lenses, "describe the lens prescriptions that are installed");
+  command->footer(
+      "Examples:\n"
+      "  rapidptv info\n"
+      "  rapidptv info recording/ tracks.csv calibration.toml\n"
+      "  rapidptv info --lenses\n"
+      "  rapidptv info my_lens.toml");
   command->callback([options, &chosen] {
     chosen = [options] {
-      if (options->files.empty()) describe_build();
+      if (options->lenses)
+        describe_installed_lenses();
+      else if (options->files.empty())
+        describe_build();
       std::for_each(options->files.begin(), options->files.end(), describe);
       return ExitCode::ok;
     };

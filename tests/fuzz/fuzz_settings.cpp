@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a configuration and as a calibration: read or refused in one line, and what was read is written back.
+// Any bytes as a configuration, a calibration and a lens prescription: read or refused in one line, and what was read
+// is written back.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -9,6 +10,8 @@
 #include "calibration/light_field_calibration.hpp"
 #include "core/error.hpp"
 #include "daemon/config.hpp"
+#include "simulation/lens_analysis.hpp"
+#include "simulation/prescription.hpp"
 
 namespace {
 
@@ -40,5 +43,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(to_json(config).size() > 2);
   }
   taken([&] { rptv::parse_light_field_calibration(text, "rig.toml"); });
+  taken([&] { require(describe_lens(rptv::parse_prescription(text, "rig.toml"), 0, 0).size() > 2); });
   return 0;
 }

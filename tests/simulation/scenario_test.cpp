@@ -38,6 +38,15 @@ TEST(Scenario, reads_back_what_was_written) {
 
 TEST(Scenario, default_is_consistent) { EXPECT_NO_THROW(check_scenario(ScenarioSettings{}, "default")); }
 
+TEST(Scenario, every_shipped_one_reads) {
+  int read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RPTV_SOURCE_DIR "/simulation/scenarios")) {
+    EXPECT_NO_THROW(read_scenario(entry.path())) << entry.path();
+    ++read;
+  }
+  EXPECT_GE(read, 3);
+}
+
 TEST(Scenario, refuses_a_box_that_reaches_the_focal_plane) {
   ScenarioSettings scenario;
   scenario.seeding.volume_z_mm = 21;
@@ -49,6 +58,25 @@ TEST(Scenario, refuses_a_wall_above_the_fluid) {
   ScenarioSettings scenario;
   scenario.flow.wall_y_mm = 3.5;
   EXPECT_THAT(message_of([&] { check_scenario(scenario, "high.toml"); }), testing::HasSubstr("no fluid is left"));
+}
+
+TEST(Scenario, refuses_lenses_that_are_told_half) {
+  ScenarioSettings scenario;
+  scenario.main_lens.model = "prescription";
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("prescription is missing"));
+  scenario.main_lens.prescription = "double_gauss_f2";
+  scenario.main_lens.rim_z_mm = {1};
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("one radius per rim"));
+  scenario.main_lens.model = "aplanat";
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("magnification is missing"));
+  scenario.main_lens.magnification = 20;
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("window_mm 0.1 is nearer"));
+}
+
+TEST(Scenario, refuses_a_table_without_its_name) {
+  ScenarioSettings scenario;
+  scenario.flow.kind = "table";
+  EXPECT_THAT(message_of([&] { check_scenario(scenario, "s.toml"); }), testing::HasSubstr("flow.table is missing"));
 }
 
 TEST(Scenario, refuses_a_file_that_is_not_there) {

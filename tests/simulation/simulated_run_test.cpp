@@ -16,6 +16,7 @@
 #include "daemon/config.hpp"
 #include "daemon/progress.hpp"
 #include "replay/image_file.hpp"
+#include "simulation/optics.hpp"
 #include "simulation/truth.hpp"
 
 namespace rptv {
@@ -65,8 +66,51 @@ TEST_F(SimulatedRun, holds_frames_times_truth_and_calibration) {
   EXPECT_NEAR(static_cast<double>(truth.size()) / 4, report.particles_per_frame, 1e-9);
   EXPECT_EQ(read_light_field_calibration(files.calibration).sensor.width_px, 192);
   EXPECT_EQ(read_scenario(files.scenario).frames, 4);
-  for (const auto& image : {files.white, files.background})
+  for (const auto& image : {files.white, files.white_stopped, files.dark, files.background})
     EXPECT_EQ(open_image(image)->header(0).shape.width_px, 192U);
+}
+
+TEST_F(SimulatedRun, tells_where_images_lie_and_how_bright_they_are) {
+  const auto scenario = small_scene();
+  write_simulated_run(scenario, {folder_, 1});
+  const LightFieldOptics optics(scenario);
+  CsvReader truth(SimulatedRunFiles(folder_).truth,
+                  {{"x"}, {"y"}, {"z"}, {"image_x"}, {"image_z"}, {"real_x"}, {"real_z"}, {"photoelectrons"}});
+  std::size_t rows = 0;
+  for (; truth.next(); ++rows) {
+    const auto image = optics.image_of({truth.number(0), truth.number(1), truth.number(2)});
+    EXPECT_DOUBLE_EQ(truth.number(3), image.x);
+    EXPECT_DOUBLE_EQ(truth.number(4), image.z);
+    EXPECT_DOUBLE_EQ(truth.number(5), image.x);  // a thick lens is ideal
+    EXPECT_DOUBLE_EQ(truth.number(6), image.z);
+    EXPECT_NEAR(truth.number(7), scenario.seeding.photoelectrons * optics.brightness(truth.number(2)), 1e-6 * 40000);
+  }
+  EXPECT_GT(rows, 10U);
+  CsvReader volume(SimulatedRunFiles(folder_).volume_truth,
+                   {{"image_x"}, {"image_y"}, {"image_z"}, {"object_x"}, {"object_y"}, {"object_z"}});
+  rows = 0;
+  for (; volume.next(); ++rows)
+    EXPECT_DOUBLE_EQ(volume.number(1), optics.image_of({volume.number(3), volume.number(4), volume.number(5)}).y);
+  EXPECT_EQ(rows, 11U * 11 * 11);
+}
+
+TEST_F(SimulatedRun, of_a_traced_lens_is_complete_and_threads_do_not_matter) {
+  ScenarioSettings scenario = small_scene();
+  scenario.main_lens.model = "prescription";
+  scenario.main_lens.prescription = std::string(RPTV_SOURCE_DIR) + "/simulation/prescriptions/macro_25mm_f28.toml";
+  scenario.main_lens.magnification = 2.5;
+  scenario.main_lens.stop_radius_mm = 1.4;
+  scenario.lenslets.model = "plano_convex";
+  scenario.seeding.volume_x_mm = scenario.seeding.volume_y_mm = 1;
+  scenario.flow.wall_y_mm = -0.5;
+  write_simulated_run(scenario, {folder_ / "one", 1});
+  write_simulated_run(scenario, {folder_ / "two", 2});
+  const SimulatedRunFiles one(folder_ / "one"), two(folder_ / "two");
+  EXPECT_EQ(bytes_of(one.truth), bytes_of(two.truth));
+  for (std::uint64_t frame = 0; frame < 4; ++frame) EXPECT_EQ(bytes_of(one.frame(frame)), bytes_of(two.frame(frame)));
+  EXPECT_NEAR(read_light_field_calibration(one.calibration).magnification(), 2.5, 1e-9);
+  EXPECT_NO_THROW(load_config(one.rig));
+  EXPECT_EQ(read_scenario(one.scenario).main_lens.prescription, scenario.main_lens.prescription);
 }
 
 TEST_F(SimulatedRun, is_the_same_with_one_thread_and_with_three) {
@@ -79,7 +123,7 @@ TEST_F(SimulatedRun, is_the_same_with_one_thread_and_with_three) {
         << entry.path();
     ++compared;
   }
-  EXPECT_EQ(compared, 4U + 7U);
+  EXPECT_EQ(compared, 4U + 10U);
 }
 
 TEST_F(SimulatedRun, leaves_no_frames_of_a_longer_run_behind) {

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// The commands as a user gives them: installed lenses and scenarios by name, descriptions, and refusals.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/daemon/run_binary.hpp"
+
+namespace rptv {
+namespace {
+
+using rptv::testing::run_rapidptv;
+using rptv::testing::Said;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+TEST(SimulateCommand, names_installed_scenarios_and_lenses) {
+  const Said scenarios = run_rapidptv({"simulate", "--list"});
+  EXPECT_EQ(scenarios.code, 0);
+  EXPECT_EQ(scenarios.out, "layers\nmacro_wall\nmicrochannel\n");
+  const Said lenses = run_rapidptv({"info", "--lenses"});
+  EXPECT_EQ(lenses.code, 0);
+  EXPECT_THAT(lenses.out, AllOf(HasSubstr("US 2,673,491"), HasSubstr("US 10,571,651"), HasSubstr("EFL 50.3582 mm")));
+}
+
+TEST(SimulateCommand, describes_every_installed_scenario) {
+  for (const auto* name : {"layers", "macro_wall", "microchannel"}) {
+    const Said said = run_rapidptv({"simulate", "--scenario", name, "--describe"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    EXPECT_THAT(said.out, HasSubstr("pitches wide"));
+  }
+}
+
+TEST(SimulateCommand, refuses_a_name_that_is_not_there_and_lists_those_that_are) {
+  const Said scenario = run_rapidptv({"simulate", "--scenario", "layer", "--describe"});
+  EXPECT_EQ(scenario.code, 66);
+  EXPECT_THAT(scenario.err, AllOf(HasSubstr("'layer'"), HasSubstr("layers, macro_wall, microchannel")));
+  const Said lens = run_rapidptv({"simulate", "--describe", "--set", "main_lens.model=prescription", "--set",
+                                  "main_lens.prescription=double_gaus_f2"});
+  EXPECT_EQ(lens.code, 66);
+  EXPECT_THAT(lens.err, HasSubstr("double_gauss_f2, macro_25mm_f28"));
+}
+
+TEST(SimulateCommand, refuses_a_prescription_with_its_line) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / ("lens_" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << "name = \"x\"\nsource = \"y\"\n[surfaces]\nradius_mm = [50, 0]\nthickness_mm = [4]\n"
+                         "index_after = [1.5, 1]\nclear_diameter_mm = [20, 20]\nstop = 1\n";
+  const Said said = run_rapidptv({"info", file});
+  std::filesystem::remove(file);
+  EXPECT_EQ(said.code, 78);
+  EXPECT_THAT(said.err, HasSubstr(file.string() + ":5: surfaces.thickness_mm has 1 values"));
+}
+
+TEST(SimulateCommand, takes_positions_from_a_table) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / ("table_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "at.csv") << "frame,x,y,z\n0,0.5,0,1\n1,0.6,0,1\n1,-0.5,0.25,-1\n";
+  std::ofstream(folder / "scenario.toml") << "frames = 2\n[flow]\nkind = \"table\"\ntable = \"at.csv\"\n"
+                                             "[camera]\nwidth_px = 192\nheight_px = 160\n";
+  const Said said =
+      run_rapidptv({"simulate", "--scenario", folder / "scenario.toml", "--out", folder / "run", "--json"});
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("\"particles_per_frame\":1.5"));
+  std::ifstream truth(folder / "run" / "truth.csv");
+  std::string header, first;
+  std::getline(truth, header);
+  std::getline(truth, first);
+  EXPECT_EQ(first.substr(0, 12), "0,0,0.5,0,1,");
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace rptv
