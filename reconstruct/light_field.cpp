@@ -17,6 +17,7 @@
 #include "reconstruct/lit_pixels.hpp"
 #include "reconstruct/parallel.hpp"
 #include "reconstruct/pixels_to_rays.hpp"
+#include "reconstruct/running_background.hpp"
 
 namespace rptv {
 
@@ -25,19 +26,6 @@ namespace {
 ImageShape shape_of(const LightFieldCalibration& calibration) {
   return {static_cast<std::uint32_t>(calibration.sensor.width_px),
           static_cast<std::uint32_t>(calibration.sensor.height_px), 2};
-}
-
-DarkLimit make_limit(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
-                     const ImageView& background) {
-  const ImageShape shape = shape_of(calibration);
-  if (background.data == nullptr) return DarkLimit(shape, settings.background, settings.threshold);
-  if (background.shape.width_px != shape.width_px || background.shape.height_px != shape.height_px)
-    throw Error(
-        ExitCode::configuration,
-        fmt::format("{}: the background is {}x{} px but the calibration says {}x{}; take it with the same camera",
-                    settings.background_image, background.shape.width_px, background.shape.height_px, shape.width_px,
-                    shape.height_px));
-  return DarkLimit(background, settings.threshold);
 }
 
 std::array<std::int32_t, 3> half_widths(const std::vector<double>& radius_um, const VoxelGrid& grid) {
@@ -57,6 +45,7 @@ double per_pupil_distance(const LightFieldCalibration& calibration) {
 struct LightField::Stages {
   Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background);
 
+  const DarkPixels& now_dark() const noexcept { return learner ? learner->dark() : dark; }
   void find_candidates(bool first_round) noexcept;
   bool cloud_is_dense() const noexcept;
   void find_particles(std::size_t lit_pixels) noexcept;
@@ -66,7 +55,7 @@ struct LightField::Stages {
 
   const LightFieldSettings settings;
   const ImageShape shape;
-  const DarkLimit limit;
+  const DarkPixels dark;  // at the start
   const LensletLattice lattice;
   const PixelsToRays pixels_to_rays;
   const RayWindow window;
@@ -84,7 +73,8 @@ struct LightField::Stages {
   Dbscan dbscan;
   std::vector<Candidate> candidates;
   ExplainAway explain_away;
-  std::unique_ptr<Shake> shake;  // with settings.refine
+  std::unique_ptr<RunningBackground> learner;  // with settings.running_background
+  std::unique_ptr<Shake> shake;                // with settings.refine
   std::vector<FittedParticle> particles;
   bool dense = true;  // the first round decides for the frame
   LightFieldCounts counts;
@@ -94,7 +84,7 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
                            const ImageView& background)
     : settings(s),
       shape(shape_of(calibration)),
-      limit(make_limit(s, calibration, background)),
+      dark(make_dark(s, shape, background)),
       lattice(calibration),
       pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
       window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
@@ -113,12 +103,14 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
   if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
   candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
   particles.reserve(static_cast<std::size_t>(s.max_particles));
-  if (!s.refine) return;
-  std::vector<float> dark(limit.limits().begin(), limit.limits().end());
-  for (float& grey : dark) grey -= static_cast<float>(s.threshold);
-  shake = std::make_unique<Shake>(
-      calibration, lattice, make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count)),
-      std::move(dark));
+  if (s.running_background)
+    learner = std::make_unique<RunningBackground>(
+        shape, dark, s.noise_grey, background.data != nullptr,
+        RunningBackgroundOptions{s.threshold, s.threshold_sigmas, s.background_frames});
+  if (s.refine)
+    shake = std::make_unique<Shake>(
+        calibration, lattice,
+        make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count)));
 }
 
 bool LightField::Stages::cloud_is_dense() const noexcept {
@@ -172,7 +164,7 @@ std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcep
 }
 
 void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
-  shake->begin(image);
+  shake->begin(image, now_dark().mean);
   particles.resize(shake->refine(particles, 0));
   for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
     lit_pixels = keep_unexplained(lit_pixels);
@@ -225,7 +217,8 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
     ++s.counts.refused_frames;
     return;
   }
-  const std::size_t lit = find_lit_pixels(image, s.limit, s.lit);
+  if (s.learner) s.learner->refresh();
+  const std::size_t lit = find_lit_pixels(image, s.now_dark().limit, s.lit);
   s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
   s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
   s.particles.clear();
@@ -233,6 +226,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   s.counts.rays = s.rays.size;
   if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
   s.write(out);
+  if (s.learner) s.learner->offer(image);
   ++s.counts.frames;
 }
 

@@ -11,18 +11,20 @@ namespace rptv {
 
 /// Lengths are in image space (origin where the axis meets the array, z towards the main lens) unless stated.
 struct LightFieldSettings {
-  std::string calibration;       ///< path of the calibration file
-  std::string background_image;  ///< path of an image without particles; empty: the constant `background`
-  double background = 0;         ///< grey level without light
-  double threshold = 20;         ///< a pixel is lit when it is more than this above its background, grey levels
+  std::string calibration;               ///< path of the calibration file
+  std::string background_image;          ///< path of an image without particles; empty: the constant `background`
+  double background = 0;                 ///< grey level without light
+  double threshold = 20;                 ///< a pixel is lit when it is more than this above its background, grey levels
+  bool running_background = false;       ///< background and noise of each pixel follow the images
+  double threshold_sigmas = 6;           ///< with a running background: at least this many of the pixel's own noise
+  std::int64_t background_frames = 100;  ///< how many images the running background looks back
 
   std::vector<double> volume_x_mm;           ///< [from, to]; empty: what the sensor covers
   std::vector<double> volume_y_mm;           ///< [from, to]; empty: what the sensor covers
   std::vector<double> volume_z_mm{-25, 25};  ///< [from, to]; positive is towards the main lens
   std::vector<double> voxel_um{125, 125, 250};
 
-  double wavelength_nm =
-      0;  ///< of the particles' light; with pitch and focal length it gives the lenslets' diffraction
+  double wavelength_nm = 0;  ///< of the light; with pitch and focal length it gives the lenslets' diffraction
   double slope_blur_um = 0;  ///< rms blur of a sub-image on the sensor, per axis, beside pixel and diffraction; what
                              ///< all shrink depths by is put back
 

@@ -11,13 +11,17 @@
 
 namespace rptv {
 
-/// Highest grey value of each pixel that is still dark: background + threshold, saturated. Immutable; any thread.
+/// Highest grey value of each pixel that is still dark: background + threshold, saturated. One writer or any readers.
 class DarkLimit {
  public:
   /// The same limit for every pixel.
   DarkLimit(const ImageShape& shape, double background, double threshold);
   /// From an image without particles, 8 or 16 bit.
   DarkLimit(const ImageView& background, double threshold);
+
+  /// New limits: mean + the larger of `threshold` and `sigmas` times the pixel's noise, all in grey values. Sizes equal
+  /// size().
+  void follow(std::span<const float> mean, std::span<const float> sigma, double threshold, double sigmas) noexcept;
 
   std::size_t size() const noexcept { return limits_.size(); }
   std::span<const std::uint16_t> limits() const noexcept { return limits_; }

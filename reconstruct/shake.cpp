@@ -25,14 +25,12 @@ constexpr double kBorderError = 0.008, kBorderErrorShallow = 2;
 
 }  // namespace
 
-Shake::Shake(const LightFieldCalibration& calibration, const LensletLattice& lattice, const ShakeOptions& options,
-             std::vector<float> background)
+Shake::Shake(const LightFieldCalibration& calibration, const LensletLattice& lattice, const ShakeOptions& options)
     : options_(options),
-      background_(std::move(background)),
       width_px_(static_cast<std::uint32_t>(calibration.sensor.width_px)),
       column_of_(calibration),
-      explained_(background_.size()),
-      painted_(background_.size() / kBlockPixels + 1),
+      explained_(static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px)),
+      painted_(explained_.size() / kBlockPixels + 1),
       workers_(options.threads, Worker(ImageModel(calibration, lattice, options.model), options.max_pixels)) {
   const double reach =
       workers_[0].model.reach_px(std::max(std::abs(options.lowest_z_mm), std::abs(options.highest_z_mm)));
@@ -43,8 +41,9 @@ Shake::Shake(const LightFieldCalibration& calibration, const LensletLattice& lat
   lights_.reserve(options.max_particles);
 }
 
-void Shake::begin(const ImageView& image) noexcept {
+void Shake::begin(const ImageView& image, std::span<const float> background) noexcept {
   image_ = image;
+  background_ = background;
   for (std::size_t block = 0; block < painted_.size(); ++block) {
     if (painted_[block] == 0) continue;
     painted_[block] = 0;

@@ -35,12 +35,12 @@ struct ShakeOptions {
 /// allocates after construction; one thread calls.
 class Shake {
  public:
-  /// `background`: grey values without light, one per pixel. Throws Error(configuration) without a pupil radius.
-  Shake(const LightFieldCalibration& calibration, const LensletLattice& lattice, const ShakeOptions& options,
-        std::vector<float> background);
+  /// Throws Error(configuration) without a pupil radius.
+  Shake(const LightFieldCalibration& calibration, const LensletLattice& lattice, const ShakeOptions& options);
 
-  /// Starts a frame with no particles. `image` must stay until the last call for this frame.
-  void begin(const ImageView& image) noexcept;
+  /// Starts a frame with no particles. `background`: grey values without light, one per pixel. Both must stay until the
+  /// last call for this frame.
+  void begin(const ImageView& image, std::span<const float> background) noexcept;
   /// Fits particles[0 … n) to the image, moved in place; `first_new` and later are new since the last call. Those that
   /// turn out to be ghosts, or leave the volume, are taken out. Returns how many are left, in unchanged order.
   std::size_t refine(std::span<FittedParticle> particles, std::size_t first_new) noexcept;
@@ -81,10 +81,10 @@ class Shake {
   std::size_t drop_ghosts(std::span<FittedParticle> particles) noexcept;
 
   const ShakeOptions options_;
-  const std::vector<float> background_;
   const std::uint32_t width_px_;
   const ChiefRay column_of_;
   ImageView image_{};
+  std::span<const float> background_;
   std::vector<float> explained_;       // light of all particles, grey values
   std::vector<std::uint8_t> painted_;  // blocks of explained_ that are not all 0
   std::vector<Worker> workers_;

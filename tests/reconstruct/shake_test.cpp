@@ -41,6 +41,7 @@ struct Scene {
   ImageView view() const { return {reinterpret_cast<const std::byte*>(grey.data()), image.shape()}; }
   TracedImage image;
   std::vector<std::uint16_t> grey;
+  std::vector<float> background = std::vector<float>(512 * 384, static_cast<float>(TracedImage::kBlack));
 };
 
 std::vector<FittedParticle> starts(const std::vector<ImageParticle>& truth, unsigned seed) {
@@ -56,9 +57,7 @@ std::vector<FittedParticle> starts(const std::vector<ImageParticle>& truth, unsi
 }
 
 struct Shaken {
-  explicit Shaken(const ShakeOptions& o)
-      : lattice(small_camera()),
-        shake(small_camera(), lattice, o, std::vector<float>(512 * 384, static_cast<float>(TracedImage::kBlack))) {}
+  explicit Shaken(const ShakeOptions& o) : lattice(small_camera()), shake(small_camera(), lattice, o) {}
   LensletLattice lattice;
   Shake shake;
 };
@@ -70,7 +69,7 @@ TEST(Shake, places_particles_far_better_than_the_pitch_with_honest_covariances) 
     const auto truth = testing::scatter(12, 1.5, 1.0, -20, 12, 0.5, seed);
     const Scene scene(truth, seed);
     auto particles = starts(truth, seed);
-    s.shake.begin(scene.view());
+    s.shake.begin(scene.view(), scene.background);
     ASSERT_EQ(s.shake.refine(particles, 0), truth.size());
     for (std::size_t i = 0; i < truth.size(); ++i) {
       const auto& p = particles[i];
@@ -94,7 +93,7 @@ TEST(Shake, parts_particles_whose_images_overlap) {
   const Scene scene(truth, 3);
   auto particles = starts(truth, 3);
   Shaken s(options());
-  s.shake.begin(scene.view());
+  s.shake.begin(scene.view(), scene.background);
   ASSERT_EQ(s.shake.refine(particles, 0), truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i) {
     EXPECT_NEAR(particles[i].at.x, truth[i].x, 0.02) << i;
@@ -111,7 +110,7 @@ TEST(Shake, drops_ghosts_and_twins_and_what_is_outside) {
   outside.at = {40, 0, 0};
   for (const auto& extra : {ghost, twin, outside}) particles.push_back(extra);
   Shaken s(options());
-  s.shake.begin(scene.view());
+  s.shake.begin(scene.view(), scene.background);
   EXPECT_EQ(s.shake.refine(particles, 0), truth.size());
 }
 
@@ -120,7 +119,7 @@ TEST(Shake, leaves_nothing_unexplained_but_what_nobody_was_told_of) {
   const Scene scene(truth, 6);
   auto particles = starts({truth[0], truth[1]}, 6);
   Shaken s(options());
-  s.shake.begin(scene.view());
+  s.shake.begin(scene.view(), scene.background);
   ASSERT_EQ(s.shake.refine(particles, 0), 2U);
   double left = 0, all = 0;
   for (std::uint32_t pixel = 0; pixel < 512 * 384; ++pixel) {
@@ -139,11 +138,11 @@ TEST(Shake, gives_the_same_bits_with_any_number_of_threads_and_after_other_frame
     Shaken s(o);
     if (warm) {
       auto before = starts(truth, 9);
-      s.shake.begin(other.view());
+      s.shake.begin(other.view(), other.background);
       s.shake.refine(before, 0);
     }
     auto particles = starts(truth, 7);
-    s.shake.begin(scene.view());
+    s.shake.begin(scene.view(), scene.background);
     particles.resize(s.shake.refine(particles, 0));
     std::vector<double> numbers;
     for (const auto& p : particles) numbers.insert(numbers.end(), {p.at.x, p.at.y, p.at.z, p.light, p.covariance.zz});
@@ -161,10 +160,10 @@ TEST(Shake, allocates_nothing_once_it_is_built) {
   const Scene scene(truth, 7);
   auto particles = starts(truth, 7), again = particles;
   Shaken s(options());
-  s.shake.begin(scene.view());
+  s.shake.begin(scene.view(), scene.background);
   s.shake.refine(particles, 0);
   AllocationCounter counter;
-  s.shake.begin(scene.view());
+  s.shake.begin(scene.view(), scene.background);
   s.shake.refine(again, 0);
   counter.disarm();
   EXPECT_EQ(counter.allocations(), 0U);
