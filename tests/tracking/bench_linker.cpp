@@ -50,7 +50,8 @@ void measure(const Case& c, std::size_t count, std::size_t frames) {
     const double begin = thread_ms();
     linker.next(particles, frame, static_cast<std::int64_t>(frame) * kPeriodNs, tracks);
     const double linked = thread_ms();
-    floor.build(particles.x_mm.data(), particles.y_mm.data(), particles.z_mm.data(), count, c.search_range_mm);
+    floor.build(particles.x_mm.data(), particles.y_mm.data(), particles.z_mm.data(), count,
+                {c.search_range_mm, c.search_range_mm, c.search_range_mm});
     const double sorted = thread_ms();
     for (std::size_t i = 0; i < count; ++i) next_id_of[points.truth()[i]] = tracks.particle[i];
     for (std::size_t i = 0; i < count && frame > 0; ++i) right += next_id_of[i] == id_of[i] ? 1 : 0;
