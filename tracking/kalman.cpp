@@ -72,13 +72,16 @@ void KalmanState::begin(const Vector& position, const Matrix3& noise, const Vect
   fresh = true;
 }
 
+void KalmanState::take_prior(const KalmanModel& model) noexcept {
+  if (!fresh) return;
+  p[block(1, 1)] = diagonal(model.velocity_prior_mm_s * model.velocity_prior_mm_s);
+  if (model.order > 2) p[block(2, 2)] = diagonal(model.acceleration_mm_s2 * model.acceleration_mm_s2);
+  fresh = false;
+}
+
 void KalmanState::predict(const KalmanModel& model, double dt) noexcept {
   const double half = 0.5 * dt * dt;
-  if (fresh) {
-    p[block(1, 1)] = diagonal(model.velocity_prior_mm_s * model.velocity_prior_mm_s);
-    if (model.order > 2) p[block(2, 2)] = diagonal(model.acceleration_mm_s2 * model.acceleration_mm_s2);
-    fresh = false;
-  }
+  take_prior(model);
   for (std::size_t k = 0; k < 3; ++k) {
     x[0][k] += dt * x[1][k] + half * x[2][k];
     x[1][k] += dt * x[2][k];

@@ -38,6 +38,8 @@ struct KalmanState {
   /// At the first measurement. The guess of the velocity enters with the model's prior at the first time update.
   void begin(const std::array<double, 3>& position, const Matrix3& noise,
              const std::array<double, 3>& velocity) noexcept;
+  /// Of what a single measurement says nothing about; part of the first time update.
+  void take_prior(const KalmanModel& model) noexcept;
   void predict(const KalmanModel& model, double dt_s) noexcept;
   /// False, and nothing changed, when the innovation's covariance cannot be inverted.
   bool update(const KalmanModel& model, const std::array<double, 3>& position, const Matrix3& noise) noexcept;

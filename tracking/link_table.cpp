@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "tracking/linker.hpp"
+#include "tracking/smoother.hpp"
 
 namespace rptv {
 
@@ -23,10 +24,12 @@ std::int64_t to_ns(double t_s, std::uint64_t frame, const std::string& origin) {
 }  // namespace
 
 LinkerCounters link_table(PointsReader& points, const std::string& origin, const LinkerSettings& settings,
-                          double rate_hz, TracksWriter& tracks) {
+                          const LinkTableOptions& options, TracksWriter& tracks) {
   Linker linker(settings);
   Particles particles(static_cast<std::size_t>(settings.max_particles));
   Tracks linked(linker.capacity());
+  FixedLagSmoother smoother(options.smooth_frames);
+  SmoothedFrame smoothed;
   PointFrame frame;
   while (points.next(frame)) {
     if (frame.points.size() > particles.capacity())
@@ -36,10 +39,16 @@ LinkerCounters link_table(PointsReader& points, const std::string& origin, const
     particles.clear();
     for (const PointRow& p : frame.points)
       particles.push({p.x_mm, p.y_mm, p.z_mm, p.residual_mm, p.support, p.covariance_mm2});
-    const double t_s = points.has_time() ? frame.t_s : static_cast<double>(frame.frame) / rate_hz;
+    const double t_s = points.has_time() ? frame.t_s : static_cast<double>(frame.frame) / options.rate_hz;
     linker.next(particles, frame.frame, to_ns(t_s, frame.frame, origin), linked);
-    tracks.write(frame.frame, t_s, linked);
+    if (options.smooth_frames == 0) {
+      tracks.write(frame.frame, t_s, linked);
+      continue;
+    }
+    smoother.push(linker, frame.frame, t_s, linked);
+    while (smoother.pop(smoothed)) tracks.write(smoothed.frame, smoothed.t_s, smoothed.tracks);
   }
+  while (smoother.pop(smoothed, true)) tracks.write(smoothed.frame, smoothed.t_s, smoothed.tracks);
   return linker.counters();
 }
 

@@ -57,6 +57,7 @@ void Linker::seed(std::span<const VelocitySample> samples) {
 
 void Linker::next(const Particles& particles, std::uint64_t frame, std::int64_t exposure_end_ns, Tracks& out) noexcept {
   Work& work = *work_;
+  const LinkerCounters before = work.counters;
   out.clear();
   work.deadline.start(static_cast<std::int64_t>(work.settings.deadline_ms * 1e6));
   work.now = work.clock.advance(frame, exposure_end_ns);
@@ -77,7 +78,7 @@ void Linker::next(const Particles& particles, std::uint64_t frame, std::int64_t 
   work.last_seen = {work.now.ns, work.now.frame, work.now.epoch};
   work.start_up();
   work.report(particles, count, out);
-  work.count(particles.size(), count);
+  work.count(particles.size(), count, before, out);
 }
 
 /// A gap in the frame indices may have outlasted memories before this frame's particles are even looked at.

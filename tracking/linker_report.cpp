@@ -3,23 +3,9 @@
 #include <algorithm>
 
 #include "tracking/linker_work.hpp"
+#include "tracking/track_estimate.hpp"
 
 namespace rptv {
-
-namespace {
-
-TrackEstimate estimate_of(const KalmanState& state) noexcept {
-  TrackEstimate out;
-  out.ax_mm_s2 = state.x[2][0];
-  out.ay_mm_s2 = state.x[2][1];
-  out.az_mm_s2 = state.x[2][2];
-  out.position_mm2 = upper(state.p[KalmanState::block(0, 0)]);
-  out.velocity_mm2_s2 = upper(state.p[KalmanState::block(1, 1)]);
-  out.acceleration_mm2_s4 = upper(state.p[KalmanState::block(2, 2)]);
-  return out;
-}
-
-}  // namespace
 
 /// Whole columns at once, as push() row by row would cost as much as the search; rows beyond the capacity go through
 /// push(), which counts them.
@@ -58,7 +44,9 @@ void Linker::Work::report(const Particles& particles, std::size_t count, Tracks&
   }
 }
 
-void Linker::Work::count(std::size_t offered, std::size_t taken) noexcept {
+void Linker::Work::count(std::size_t offered, std::size_t taken, const LinkerCounters& before, Tracks& out) noexcept {
+  out.adapted_subnets = static_cast<std::uint32_t>(counters.adapted_subnets - before.adapted_subnets);
+  out.cut_subnets = static_cast<std::uint32_t>(counters.cut_subnets - before.cut_subnets);
   ++counters.frames;
   counters.refused_particles += offered - taken;
   counters.ignored_particles += taken - grid.size();

@@ -29,7 +29,7 @@ class Linker::Work {
   void begin_tracks(const Particles& particles, std::size_t count) noexcept;
   void start_up() noexcept;
   void report(const Particles& particles, std::size_t count, Tracks& out) noexcept;
-  void count(std::size_t offered, std::size_t taken) noexcept;
+  void count(std::size_t offered, std::size_t taken, const LinkerCounters& before, Tracks& out) noexcept;
 
   const Seen& seen(std::size_t track) const noexcept {
     return track < seen_count ? last_seen : unseen[track - seen_count];

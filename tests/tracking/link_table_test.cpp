@@ -25,7 +25,7 @@ std::vector<TrackRow> link(const std::string& table, const LinkerSettings& setti
   const TemporaryFile file;
   PointsReader points = PointsReader::from_text(table, "points.csv");
   TracksWriter writer(file.path);
-  link_table(points, "points.csv", settings, rate_hz, writer);
+  link_table(points, "points.csv", settings, {.rate_hz = rate_hz}, writer);
   writer.close();
   std::vector<TrackRow> rows;
   TracksReader reader(file.path);
