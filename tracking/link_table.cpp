@@ -43,10 +43,11 @@ LinkerCounters link_table(PointsReader& points, const std::string& origin, const
     linker.next(particles, frame.frame, to_ns(t_s, frame.frame, origin), linked);
     if (options.smooth_frames == 0) {
       tracks.write(frame.frame, t_s, linked);
-      continue;
+    } else {
+      smoother.push(linker, frame.frame, t_s, linked);
+      while (smoother.pop(smoothed)) tracks.write(smoothed.frame, smoothed.t_s, smoothed.tracks);
     }
-    smoother.push(linker, frame.frame, t_s, linked);
-    while (smoother.pop(smoothed)) tracks.write(smoothed.frame, smoothed.t_s, smoothed.tracks);
+    if (options.at_once) tracks.csv().flush();
   }
   while (smoother.pop(smoothed, true)) tracks.write(smoothed.frame, smoothed.t_s, smoothed.tracks);
   return linker.counters();

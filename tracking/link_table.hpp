@@ -17,6 +17,7 @@ inline constexpr double kOneFramePerSecond = 1.0;
 struct LinkTableOptions {
   double rate_hz = kOneFramePerSecond;  ///< for tables without column t
   std::size_t smooth_frames = 0;        ///< rows are smoothed and come that many frames late; 0: as they are linked
+  bool at_once = false;                 ///< every frame goes to the file when it is complete: somebody reads a pipe
 };
 
 /// Reads `points` to the end and writes a row per linked particle. Times come from the column t, else from frame /

@@ -107,11 +107,9 @@ void Linker::Work::forget_old(Tracks& out) noexcept {
 }
 
 void Linker::Work::expect() noexcept {
-  if (!motion.moves()) {
-    for (std::size_t s = 0; s < live; ++s) expected[s] = {tracks[s].x_mm, tracks[s].y_mm, tracks[s].z_mm};
-    return;
-  }
-  for (std::size_t s = 0; s < live; ++s) expected[s] = motion.expect(tracks[s], seen(s).ns);
+  motion.expect({tracks.data(), seen_count}, last_seen.ns, expected.data());
+  for (std::size_t s = seen_count; s < live; ++s)
+    motion.expect({&tracks[s], 1}, unseen[s - seen_count].ns, &expected[s]);
 }
 
 void Linker::Work::choose(const Particles& particles) noexcept {

@@ -74,12 +74,21 @@ void Motion::begin_frame(const FrameTime& now, std::int64_t period_ns) noexcept 
   model_.velocity_prior_mm_s = range_mm_ / period_s;
 }
 
-Spot Motion::expect(const TrackState& track, std::int64_t seen_ns) noexcept {
-  if (kind_ != Kind::filter) return extrapolate(track, seen_ns, now_.ns, nullptr);
-  KalmanState& state = filter(track);
-  state.predict(model_, seconds(now_.ns - state.at_ns));
-  state.at_ns = now_.ns;
-  return {state.x[0][0], state.x[0][1], state.x[0][2]};
+void Motion::expect(std::span<const TrackState> tracks, std::int64_t seen_ns, Spot* expected) noexcept {
+  const double dt_s = kind_ == Kind::none ? 0 : seconds(now_.ns - seen_ns);
+  for (const TrackState& t : tracks) {
+    Spot& spot = *expected++;
+    if (kind_ == Kind::filter) {
+      KalmanState& state = filter(t);
+      state.predict(model_, seconds(now_.ns - state.at_ns));
+      state.at_ns = now_.ns;
+      spot = {state.x[0][0], state.x[0][1], state.x[0][2]};
+    } else if (kind_ == Kind::flow) {
+      spot = extrapolate(t, seen_ns, now_.ns, nullptr);
+    } else {
+      spot = {t.x_mm + t.vx_mm_s * dt_s, t.y_mm + t.vy_mm_s * dt_s, t.z_mm + t.vz_mm_s * dt_s};
+    }
+  }
 }
 
 Spot Motion::extrapolate(const TrackState& track, std::int64_t seen_ns, std::int64_t at_ns,
@@ -94,8 +103,17 @@ Spot Motion::extrapolate(const TrackState& track, std::int64_t seen_ns, std::int
     return {later.x[0][0], later.x[0][1], later.x[0][2]};
   }
   VelocitySample v{track.x_mm, track.y_mm, track.z_mm, track.vx_mm_s, track.vy_mm_s, track.vz_mm_s};
-  if (flow_ != nullptr) flow_->look_up(v);
+  if (flow_ != nullptr && flow_->look_up(v)) {  // the midpoint rule: half a step on, the flow is another
+    VelocitySample half{v.x_mm + v.vx_mm_s * dt_s / 2, v.y_mm + v.vy_mm_s * dt_s / 2, v.z_mm + v.vz_mm_s * dt_s / 2};
+    if (flow_->look_up(half)) v = {v.x_mm, v.y_mm, v.z_mm, half.vx_mm_s, half.vy_mm_s, half.vz_mm_s};
+  }
   return {v.x_mm + v.vx_mm_s * dt_s, v.y_mm + v.vy_mm_s * dt_s, v.z_mm + v.vz_mm_s * dt_s};
+}
+
+/// A velocity between two frames belongs to the middle of the way.
+void Motion::learn(const TrackState& before, const Spot& now) noexcept {
+  flow_->add({(before.x_mm + now.x_mm) / 2, (before.y_mm + now.y_mm) / 2, (before.z_mm + now.z_mm) / 2, before.vx_mm_s,
+              before.vy_mm_s, before.vz_mm_s});
 }
 
 Matrix3 Motion::noise_of(const Covariance& covariance) const noexcept {

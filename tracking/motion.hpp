@@ -28,8 +28,9 @@ class Motion final : public Gate {
 
   /// The frame to come: its time, and the period that the noise of the models is for.
   void begin_frame(const FrameTime& now, std::int64_t period_ns) noexcept;
-  /// Expected position at `now` of a track last seen at `seen_ns`; moves its filter there. Once per track and frame.
-  Spot expect(const TrackState& track, std::int64_t seen_ns) noexcept;
+  /// Expected positions in the frame to come of tracks that were all last seen at `seen_ns`; moves their filters there.
+  /// Once per track and frame.
+  void expect(std::span<const TrackState> tracks, std::int64_t seen_ns, Spot* expected) noexcept;
   /// As expect(), for any time and without changing anything.
   Spot extrapolate(const TrackState& track, std::int64_t seen_ns, std::int64_t at_ns,
                    KalmanState* state) const noexcept;
@@ -40,7 +41,7 @@ class Motion final : public Gate {
       track.vx_mm_s = (at.x_mm - track.x_mm) * per_s;
       track.vy_mm_s = (at.y_mm - track.y_mm) * per_s;
       track.vz_mm_s = (at.z_mm - track.z_mm) * per_s;
-      if (flow_ != nullptr) flow_->add({at.x_mm, at.y_mm, at.z_mm, track.vx_mm_s, track.vy_mm_s, track.vz_mm_s});
+      if (flow_ != nullptr) learn(track, at);
     }
     track.x_mm = at.x_mm;
     track.y_mm = at.y_mm;
@@ -73,6 +74,7 @@ class Motion final : public Gate {
 
  private:
   enum class Kind { none, velocity, flow, filter };
+  void learn(const TrackState& before, const Spot& now) noexcept;
   Matrix3 noise_of(const Covariance& covariance) const noexcept;
 
   Kind kind_;

@@ -56,7 +56,8 @@ ExitCode link(LinkOptions options) {
   if (no_time) std::cerr << "no column t and no --rate: velocities are mm per frame, t counts frames\n";
   TracksWriter tracks(options.output, {.estimate = options.linker.filters()});
   const LinkTableOptions how{.rate_hz = options.rate_hz > 0 ? options.rate_hz : kOneFramePerSecond,
-                             .smooth_frames = options.smooth_frames};
+                             .smooth_frames = options.smooth_frames,
+                             .at_once = options.points == "-"};
   const LinkerCounters counted =
       link_table(points, options.points == "-" ? "stdin" : options.points, options.linker, how, tracks);
   tracks.close();
