@@ -14,6 +14,8 @@ namespace rptv {
 
 namespace {
 
+constexpr std::size_t kAhead = 16;  // tracks: they go to another order, and fetching one takes as long as moving many
+
 LinkerSettings checked(LinkerSettings settings) {
   settings.check();
   settings.max_tracks = std::max(settings.max_tracks, settings.max_particles);
@@ -122,6 +124,10 @@ void Linker::Work::carry_on(const Particles& particles) noexcept {
   std::uint64_t links = 0;
   for (std::size_t s = 0; s < live; ++s) {
     const std::uint32_t place = matching.target_of(s);
+    if (s + kAhead < live) {
+      const std::size_t ahead = std::min<std::size_t>(matching.target_of(s + kAhead), max_tracks - 1);
+      __builtin_prefetch(&next_tracks[ahead], 1);
+    }
     if (place == Matching::kNone) continue;
     owned[place] = 1;
     ++links;
