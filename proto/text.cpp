@@ -85,8 +85,7 @@ void put_content(Buffer& out, const TracksColumns& tracks) {
     put_rows(out, "velocity_covariance", tracks.velocity_covariance_mm2_s2);
     put_rows(out, "acceleration_covariance", tracks.acceleration_covariance_mm2_s4);
   }
-  if (tracks.adapted_subnets > 0) put(out, ",\"adapted_subnets\":{}", tracks.adapted_subnets);
-  if (tracks.cut_subnets > 0) put(out, ",\"cut_subnets\":{}", tracks.cut_subnets);
+  put(out, R"(,"adapted_subnets":{},"cut_subnets":{})", tracks.adapted_subnets, tracks.cut_subnets);
 }
 
 void put_content(Buffer& out, const ParticlesColumns& particles) {

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <numeric>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "core/particles.hpp"
+#include "tests/tracking/abc_flow.hpp"
 
 namespace rptv {
 
@@ -27,6 +27,7 @@ class MovingPoints {
       : steps_(steps),
         ratio_(ratio),
         side_(std::cbrt(static_cast<double>(count))),
+        flow_(side_, ratio),
         random_(seed),
         order_(count),
         points_(count) {
@@ -57,28 +58,15 @@ class MovingPoints {
   /// By that place: who is there in the last frame; another one after each change.
   const std::vector<std::uint64_t>& identity() const { return identity_; }
 
-  struct Point {
-    double x, y, z;
-  };
+  using Point = AbcFlow::Point;
   /// Positions before next() and how far each moves in the first frame, of every fifth point: a peer gets it too.
   std::vector<std::pair<Point, Point>> known_flow() const {
     std::vector<std::pair<Point, Point>> known;
-    for (std::size_t i = 0; i < points_.size(); i += 5) known.emplace_back(points_[i], flow(points_[i]));
+    for (std::size_t i = 0; i < points_.size(); i += 5) known.emplace_back(points_[i], flow_.step(points_[i]));
     return known;
   }
 
  private:
-  Point flow_at(const Point& p) const {
-    const double k = 2 * std::numbers::pi / side_;
-    const double scale = ratio_ / std::sqrt(6.0);  // the fastest there is: |u| = √6 where all sines are cosines
-    return {scale * (std::sin(k * p.z) + std::cos(k * p.y)), scale * (std::sin(k * p.x) + std::cos(k * p.z)),
-            scale * (std::sin(k * p.y) + std::cos(k * p.x))};
-  }
-  /// One frame along the flow, by the midpoint rule.
-  Point flow(const Point& p) const {
-    const Point half = flow_at(p);
-    return flow_at({p.x + half.x / 2, p.y + half.y / 2, p.z + half.z / 2});
-  }
   bool wrap(double& v) const {
     const bool leaves = v < 0 || v >= side_;
     if (leaves) v -= side_ * std::floor(v / side_);
@@ -88,7 +76,7 @@ class MovingPoints {
     if (steps_ != Steps::walk) {
       const bool flows = steps_ == Steps::flow;
       std::normal_distribution<double> normal(0, (flows ? 0.02 : 1.0) * ratio_ / std::sqrt(3.0));
-      const Point d = flows ? flow(p) : Point{0, 0, 0};
+      const Point d = flows ? flow_.step(p) : Point{0, 0, 0};
       return {d.x + normal(random_), d.y + normal(random_), d.z + normal(random_)};
     }
     std::uniform_real_distribution<double> side(-1, 1);
@@ -100,6 +88,7 @@ class MovingPoints {
 
   Steps steps_;
   double ratio_, side_;
+  AbcFlow flow_;
   std::mt19937_64 random_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> identity_, next_identity_;
