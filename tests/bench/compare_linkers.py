@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Runs trackpy, trackpy with a polynomial solver (lsa) and rapidptv on the same points: time, and links that differ.
 
-usage: PYTHONPATH=TRACKPY compare_linkers.py BUILD [--quick]    BUILD: a build folder of preset release, as build/release
+usage: PYTHONPATH=TRACKPY compare_linkers.py BUILD [CASE...]
+
+BUILD: a build folder of preset release, as build/release. CASE: some of those below, as walk20000_0.5, or whole; default: all.
 
 TRACKPY is a checkout of github.com/soft-matter/trackpy. CPU time of one thread; p50 and p99 of a frame's milliseconds, the
 garbage collector of Python off. A peer that needs more than a minute is stopped: "stuck". Links differ where a point has
@@ -98,7 +100,7 @@ def ours(build, case, points, search_range, predict):
     line = subprocess.run([build / "tests/bench/rptv_bench_linker", "one", *map(str, case), str(FRAMES)], capture_output=True,
                           text=True, check=True).stdout.splitlines()[-1].split()
     ids = None if predict != "none" else link_df(points, search_range, ["x", "y", "z"]).particle.to_numpy()
-    return float(line[5]), float(line[6]), float(line[10]), ids
+    return float(line[5]), float(line[6]), float(line[11]), ids
 
 
 def compare(build, case, folder):
@@ -149,9 +151,12 @@ def main():
     print(f"{'case':5} {'N':>6} {'ratio':4} {'range':>6} {'ours':9} {'p50':>8} {'p99':>8} | {'trackpy':>8} {'p99':>8} {'ratio':>7} "
           f"{'differ':>8} | {'lsa':>8} {'p99':>8} {'ratio':>7} {'differ':>8}   (flow: links right instead of differ)")
     with tempfile.TemporaryDirectory() as folder:
-        for case in CASES[:7] if "--quick" in sys.argv else CASES:
-            compare(build, case, Path(folder))
-        whole_process(build, Path(folder))
+        wanted = sys.argv[2:]
+        for case in CASES:
+            if not wanted or f"{case[0]}{case[1]}_{case[2]}" in wanted:
+                compare(build, case, Path(folder))
+        if not wanted or "whole" in wanted:
+            whole_process(build, Path(folder))
 
 
 if __name__ == "__main__":
