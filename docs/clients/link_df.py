@@ -2,7 +2,6 @@
 """trackpy's link_df() by rapidptv's linker: exact for subnetworks of any size, and some hundred times as fast."""
 import ctypes
 import os
-
 import numpy as np
 
 TRACK = np.dtype([(n, "u8") for n in ("id", "age")] + [(n, "f8") for n in "x y z vx vy vz ax ay az".split()])

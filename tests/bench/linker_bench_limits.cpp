@@ -99,7 +99,9 @@ void print_hostile() {
 void print_hour() {
   constexpr std::size_t kCount = 1000;
   constexpr std::size_t kFrames = 540'000;
-  std::puts("\none hour at 150 frames a second of 1000 particles, simulated time; memory 3, kalman");
+  std::puts(
+      "\none hour at 150 frames a second of 1000 particles, simulated time; memory 3; a Kalman\n"
+      "filter that a random walk does not fit, so that half of the tracks end in every frame");
   LinkerSettings settings;
   settings.search_range_mm = 0.315;
   settings.predict = "kalman";
