@@ -112,6 +112,7 @@ void Linker::restore(std::span<const std::byte> snapshot) {
     flow->restore(bins);
   }
   if (!in.ended()) ReadBytes::refuse("has bytes to spare");
+  fresh.motion.begin_frame(fresh.now, fresh.clock.period_ns());  // for predict() before the next frame
   *work_ = std::move(fresh);
 }
 

@@ -40,7 +40,7 @@ RPTV_API int rptv_linker_seed(rptv_linker* linker, size_t count, const double* p
 
 /* One frame. x, y, z: `count` positions, mm; covariance: 6 numbers a particle (xx xy xz yy yz zz, mm^2), or NULL; out:
    `count` tracks, one per particle in its order. `frame` should increase; exposure_end_ns is the time on the camera's
-   clock. Returns the number of tracks that have ended; their ids can be had until the next frame. */
+   clock. Returns the number of tracks that have ended; their ids can be had until the next call. */
 RPTV_API size_t rptv_linker_next(rptv_linker* linker, uint64_t frame, int64_t exposure_end_ns, size_t count,
                                  const double* x, const double* y, const double* z, const double* covariance,
                                  rptv_track* out);

@@ -41,6 +41,10 @@ TEST(Snapshot, goes_on_bit_for_bit) {
     Session second(settings);
     second.linker.restore(first.linker.snapshot());
     EXPECT_EQ(second.linker.live_tracks(), first.linker.live_tracks());
+    Tracks later(1000), restored_later(1000);
+    first.linker.predict(9 * kPeriodNs, later);
+    second.linker.predict(9 * kPeriodNs, restored_later);
+    expect_equal(later, restored_later);
     for (std::uint64_t frame = 8; frame < 16; ++frame) {
       points.next(particles);
       next(first, frame + (frame > 12 ? 5 : 0));
