@@ -100,11 +100,11 @@ void print_hour() {
   constexpr std::size_t kCount = 1000;
   constexpr std::size_t kFrames = 540'000;
   std::puts(
-      "\none hour at 150 frames a second of 1000 particles, simulated time; memory 3; a Kalman\n"
-      "filter that a random walk does not fit, so that half of the tracks end in every frame");
+      "\none hour at 150 frames a second of 1000 particles, simulated time; memory 3; predicted by velocity, which");
+  std::puts("a random walk does not follow, so that many tracks end in every frame");
   LinkerSettings settings;
   settings.search_range_mm = 0.315;
-  settings.predict = "kalman";
+  settings.predict = "velocity";
   settings.max_particles = settings.max_tracks = 4 * kCount;
   Linker linker(settings);
   MovingPoints points(kCount, MovingPoints::Steps::walk, 0.3, 1);
