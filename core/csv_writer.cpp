@@ -55,29 +55,23 @@ void CsvWriter::separate() noexcept {
   row_begun_ = true;
 }
 
-CsvWriter& CsvWriter::number(double value) noexcept {
-  char digits[32];  // the shortest round-trip text of a double has at most 24 characters
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  separate();
-  put({digits, static_cast<std::size_t>(end - digits)});
+/// Straight into the buffer, where numbers of any kind have room.
+template <class Number>
+CsvWriter& CsvWriter::put_number(Number value) noexcept {
+  constexpr std::size_t kLongest = 32;  // the shortest round-trip text of a double has at most 24 characters
+  if (buffer_.size() - used_ < kLongest + 1 && !flush()) return *this;
+  char* const begin = buffer_.data() + used_;
+  char* at = begin;
+  if (row_begun_) *at++ = ',';
+  row_begun_ = true;
+  at = std::to_chars(at, at + kLongest, value).ptr;
+  used_ += static_cast<std::size_t>(at - begin);
   return *this;
 }
 
-CsvWriter& CsvWriter::integer(std::int64_t value) noexcept {
-  char digits[24];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  separate();
-  put({digits, static_cast<std::size_t>(end - digits)});
-  return *this;
-}
-
-CsvWriter& CsvWriter::index(std::uint64_t value) noexcept {
-  char digits[24];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  separate();
-  put({digits, static_cast<std::size_t>(end - digits)});
-  return *this;
-}
+CsvWriter& CsvWriter::number(double value) noexcept { return put_number(value); }
+CsvWriter& CsvWriter::integer(std::int64_t value) noexcept { return put_number(value); }
+CsvWriter& CsvWriter::index(std::uint64_t value) noexcept { return put_number(value); }
 
 CsvWriter& CsvWriter::text(std::string_view value) noexcept {
   separate();

@@ -35,6 +35,8 @@ class CsvWriter {
   void close();           ///< flush, close, check. Idempotent
 
  private:
+  template <class Number>
+  CsvWriter& put_number(Number value) noexcept;
   void separate() noexcept;
   void put(std::string_view bytes) noexcept;
 

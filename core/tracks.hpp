@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/particles.hpp"
+
 namespace rptv {
 
 /// One track's state in one frame. Units mm, mm/s; frame of reference as the particles'.
@@ -17,6 +19,13 @@ struct TrackPoint {
   std::uint32_t age_frames = 0;  ///< frames in which it was seen before this one
 };
 
+/// What a Kalman filter knows besides. Units mm/s², mm², mm²/s², mm²/s⁴.
+struct TrackEstimate {
+  double ax_mm_s2 = 0, ay_mm_s2 = 0, az_mm_s2 = 0;
+  Covariance position_mm2{}, velocity_mm2_s2{}, acceleration_mm2_s4{};
+  bool operator==(const TrackEstimate&) const = default;
+};
+
 /// Arrays of equal length size(), plus the identities born and ended in this frame. All memory is taken by the
 /// constructor; push() never allocates. One thread at a time.
 class Tracks {
@@ -25,6 +34,7 @@ class Tracks {
     for (auto* ids : {&particle, &births, &deaths}) ids->reserve(capacity);
     for (auto* column : {&x_mm, &y_mm, &z_mm, &vx_mm_s, &vy_mm_s, &vz_mm_s, &residual_mm}) column->reserve(capacity);
     age_frames.reserve(capacity);
+    estimate.reserve(capacity);
   }
   std::size_t size() const noexcept { return particle.size(); }
   std::size_t capacity() const noexcept { return capacity_; }
@@ -34,7 +44,9 @@ class Tracks {
     for (auto* ids : {&particle, &births, &deaths}) ids->clear();
     for (auto* column : {&x_mm, &y_mm, &z_mm, &vx_mm_s, &vy_mm_s, &vz_mm_s, &residual_mm}) column->clear();
     age_frames.clear();
+    estimate.clear();
     overflow_ = 0;
+    adapted_subnets = cut_subnets = 0;
   }
   /// False, and counted, when full. A point of age 0 is also listed in `births`.
   bool push(const TrackPoint& p) noexcept {
@@ -65,6 +77,9 @@ class Tracks {
   std::vector<double> x_mm, y_mm, z_mm, vx_mm_s, vy_mm_s, vz_mm_s, residual_mm;
   std::vector<std::uint32_t> age_frames;
   std::vector<std::uint64_t> births, deaths;
+  std::vector<TrackEstimate> estimate;  ///< one per row where the linker filters, else empty; not by push()
+  std::uint32_t adapted_subnets = 0;    ///< of this frame: solved at a reduced search range
+  std::uint32_t cut_subnets = 0;        ///< of this frame: assigned approximately, for lack of time
 
  private:
   std::size_t capacity_ = 0;

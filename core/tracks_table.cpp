@@ -19,21 +19,41 @@ enum TrackColumn : std::size_t {
   kTime
 };
 
+std::string track_header(TrackColumns columns) {
+  std::string header = "frame,particle,x,y,z,vx,vy,vz,residual,age,t";
+  if (!columns.estimate) return header;
+  header += ",ax,ay,az";
+  for (const std::string of : {"", "v", "a"}) {
+    for (const char* axis : {"x", "y", "z"}) header += ",var_" + of + axis;
+    for (const char* axes : {"xy", "xz", "yz"}) header += ",cov_" + of + axes;
+  }
+  return header;
+}
+
 }  // namespace
 
-TracksWriter::TracksWriter(const std::filesystem::path& file)
-    : csv_(file, "frame,particle,x,y,z,vx,vy,vz,residual,age,t") {}
+TracksWriter::TracksWriter(const std::filesystem::path& file, TrackColumns columns)
+    : columns_(columns), csv_(file, track_header(columns)) {}
 
-void TracksWriter::write(const TrackRow& row) noexcept {
+void TracksWriter::write(const TrackRow& row, const TrackEstimate* estimate) noexcept {
   csv_.index(row.frame).index(row.particle).number(row.x_mm).number(row.y_mm).number(row.z_mm);
   csv_.number(row.vx_mm_s).number(row.vy_mm_s).number(row.vz_mm_s).number(row.residual_mm);
-  csv_.index(row.age).number(row.t_s).end_row();
+  csv_.index(row.age).number(row.t_s);
+  if (columns_.estimate) {
+    static constexpr TrackEstimate kNothing;
+    const TrackEstimate& e = estimate != nullptr ? *estimate : kNothing;
+    csv_.number(e.ax_mm_s2).number(e.ay_mm_s2).number(e.az_mm_s2);
+    for (const Covariance* c : {&e.position_mm2, &e.velocity_mm2_s2, &e.acceleration_mm2_s4})
+      for (const std::size_t i : {0, 3, 5, 1, 2, 4}) csv_.number((*c)[i]);  // variances first, as in points
+  }
+  csv_.end_row();
 }
 
 void TracksWriter::write(std::uint64_t frame, double t_s, const Tracks& tracks) noexcept {
   for (std::size_t i = 0; i < tracks.size(); ++i)
     write({frame, tracks.particle[i], tracks.x_mm[i], tracks.y_mm[i], tracks.z_mm[i], tracks.vx_mm_s[i],
-           tracks.vy_mm_s[i], tracks.vz_mm_s[i], tracks.residual_mm[i], tracks.age_frames[i], t_s});
+           tracks.vy_mm_s[i], tracks.vz_mm_s[i], tracks.residual_mm[i], tracks.age_frames[i], t_s},
+          tracks.estimate.empty() ? nullptr : &tracks.estimate[i]);
 }
 
 std::vector<CsvColumn> TracksReader::columns() {

@@ -25,16 +25,23 @@ struct TrackRow {
   double t_s = 0;
 };
 
+/// Columns behind `t`.
+struct TrackColumns {
+  bool estimate = false;  ///< ax,ay,az and the covariances of position, velocity and acceleration; see docs/formats
+};
+
 /// "-" is standard output; write() never throws nor allocates, close() throws what went wrong.
 class TracksWriter {
  public:
-  explicit TracksWriter(const std::filesystem::path& file);
-  void write(const TrackRow& row) noexcept;
+  explicit TracksWriter(const std::filesystem::path& file, TrackColumns columns = {});
+  /// `estimate` may be null; without the columns for it, it is left out.
+  void write(const TrackRow& row, const TrackEstimate* estimate = nullptr) noexcept;
   void write(std::uint64_t frame, double t_s, const Tracks& tracks) noexcept;
   CsvWriter& csv() noexcept { return csv_; }
   void close() { csv_.close(); }
 
  private:
+  TrackColumns columns_;
   CsvWriter csv_;
 };
 

@@ -84,6 +84,7 @@ void Pipeline::link_loop() noexcept {
     linker_.next(result->particles, result->frame, result->exposure_end_ns, result->tracks);
     result->stamps[Stage::linked] = host_now_ns();
     if (result->tracks.overflow() != 0) losses_.count(LossCause::track_overflow, result->tracks.overflow());
+    if (result->tracks.cut_subnets != 0) losses_.count(LossCause::linking_cut, result->tracks.cut_subnets);
     track_points_.fetch_add(result->tracks.size(), std::memory_order_relaxed);
     births_.fetch_add(result->tracks.births.size(), std::memory_order_relaxed);
     linked_.fetch_add(1, std::memory_order_relaxed);

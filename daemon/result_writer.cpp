@@ -7,9 +7,9 @@
 namespace rptv {
 
 ResultWriter::ResultWriter(const std::string& tracks_file, const std::string& points_file, HandOverPolicy policy,
-                           Losses& losses)
+                           Losses& losses, TrackColumns columns)
     : queue_(policy, losses, LossCause::writer_backlog) {
-  if (!tracks_file.empty()) tracks_ = std::make_unique<TracksWriter>(tracks_file);
+  if (!tracks_file.empty()) tracks_ = std::make_unique<TracksWriter>(tracks_file, columns);
   if (!points_file.empty())
     points_ = std::make_unique<PointsWriter>(points_file, PointColumns{.covariance = true, .time = true});
   thread_ = std::thread([this] { loop(); });

@@ -17,7 +17,8 @@ class ResultWriter {
  public:
   /// An empty path: that table is not written; "-" is standard output. `policy`: Lossless makes the producer wait for
   /// the disk, Bounded loses rows, counted in `losses` as writer_backlog. `losses` must outlive the writer.
-  ResultWriter(const std::string& tracks_file, const std::string& points_file, HandOverPolicy policy, Losses& losses);
+  ResultWriter(const std::string& tracks_file, const std::string& points_file, HandOverPolicy policy, Losses& losses,
+               TrackColumns columns = {});
   ~ResultWriter();
 
   void write(ResultLease&& result) noexcept { queue_.push(std::move(result)); }

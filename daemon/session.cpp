@@ -45,7 +45,7 @@ Session::Session(const Config& config) {
   pipeline_->add_reader([this](ResultLease&& result) { publisher_->publish(std::move(result)); });
   if (!config.output.tracks.empty() || !config.output.points.empty()) {
     writer_ = std::make_unique<ResultWriter>(config.output.tracks, config.output.points, writer_policy(config),
-                                             reader_losses_);
+                                             reader_losses_, TrackColumns{.estimate = config.linker.filters()});
     pipeline_->add_reader([this](ResultLease&& result) { writer_->write(std::move(result)); });
   }
   publisher_->start();

@@ -22,13 +22,26 @@ bool all_of_size(std::size_t size, std::initializer_list<const std::vector<float
   return std::all_of(columns.begin(), columns.end(), [size](const auto* column) { return column->size() == size; });
 }
 
+bool read_estimates(const rapidptv::Tracks& from, TracksColumns& to) {
+  to.adapted_subnets = from.adapted_subnets();
+  to.cut_subnets = from.cut_subnets();
+  const auto fits = [&](std::size_t size) { return size == 0 || size == to.id.size(); };
+  return read_column(from.acceleration(), to.acceleration_mm_s2) &&
+         read_column(from.position_covariance(), to.position_covariance_mm2) &&
+         read_column(from.velocity_covariance(), to.velocity_covariance_mm2_s2) &&
+         read_column(from.acceleration_covariance(), to.acceleration_covariance_mm2_s4) &&
+         fits(to.acceleration_mm_s2.size()) && fits(to.position_covariance_mm2.size()) &&
+         fits(to.velocity_covariance_mm2_s2.size()) && fits(to.acceleration_covariance_mm2_s4.size());
+}
+
 bool read_tracks(const rapidptv::Tracks& from, TracksColumns& to) {
   return read_column(from.id(), to.id) && read_column(from.x(), to.x_mm) && read_column(from.y(), to.y_mm) &&
          read_column(from.z(), to.z_mm) && read_column(from.vx(), to.vx_mm_s) && read_column(from.vy(), to.vy_mm_s) &&
          read_column(from.vz(), to.vz_mm_s) && read_column(from.residual(), to.residual_mm) &&
          read_column(from.age(), to.age_frames) && to.age_frames.size() == to.id.size() &&
          all_of_size(to.id.size(),
-                     {&to.x_mm, &to.y_mm, &to.z_mm, &to.vx_mm_s, &to.vy_mm_s, &to.vz_mm_s, &to.residual_mm});
+                     {&to.x_mm, &to.y_mm, &to.z_mm, &to.vx_mm_s, &to.vy_mm_s, &to.vz_mm_s, &to.residual_mm}) &&
+         read_estimates(from, to);
 }
 
 bool read_particles(const rapidptv::Particles& from, ParticlesColumns& to) {

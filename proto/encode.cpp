@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "core/clock.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "columns are little-endian: swap bytes in fill_column");
 
-constexpr std::size_t kBytesPerTrack = 8 + 7 * 4 + 4 + 2 * 8;  // columns of Tracks, births, deaths
+constexpr std::size_t kBytesPerTrack = 8 + 7 * 4 + 4 + 21 * 4 + 2 * 8;  // columns of Tracks, births, deaths
 constexpr std::size_t kBytesPerParticle = 5 * 4 + 6 * 4;
 constexpr std::size_t kEnvelopeBytes = 4096;  // session, stamps, tags and lengths need a few hundred
 
@@ -34,16 +35,26 @@ void fill_column(std::string& column, const std::vector<Value>& values) noexcept
   }
 }
 
-void fill_covariances(std::string& column, const std::vector<Covariance>& values) noexcept {
-  column.resize(values.size() * 6 * sizeof(float));
+/// Several floats per row: numbers_of(value) is an array of them.
+template <class Value, class NumbersOf>
+void fill_rows(std::string& column, const std::vector<Value>& values, NumbersOf&& numbers_of) noexcept {
+  column.resize(values.size() * sizeof(float) * std::tuple_size_v<std::decay_t<decltype(numbers_of(values[0]))>>);
   char* out = column.data();
-  for (const Covariance& covariance : values) {
-    for (const double element : covariance) {
+  for (const Value& value : values) {
+    for (const double element : numbers_of(value)) {
       const auto wire = static_cast<float>(element);
       std::memcpy(out, &wire, sizeof wire);
       out += sizeof wire;
     }
   }
+}
+
+void fill_estimates(rapidptv::Tracks& to, const std::vector<TrackEstimate>& from) noexcept {
+  using E = const TrackEstimate&;
+  fill_rows(*to.mutable_acceleration(), from, [](E e) { return std::array{e.ax_mm_s2, e.ay_mm_s2, e.az_mm_s2}; });
+  fill_rows(*to.mutable_position_covariance(), from, [](E e) { return e.position_mm2; });
+  fill_rows(*to.mutable_velocity_covariance(), from, [](E e) { return e.velocity_mm2_s2; });
+  fill_rows(*to.mutable_acceleration_covariance(), from, [](E e) { return e.acceleration_mm2_s4; });
 }
 
 void reserve_all(std::initializer_list<std::string*> columns, std::size_t bytes) {
@@ -145,6 +156,9 @@ Encoder::Encoder(std::string_view session, std::size_t particle_capacity, std::s
   reserve_all({t.mutable_x(), t.mutable_y(), t.mutable_z(), t.mutable_vx(), t.mutable_vy(), t.mutable_vz(),
                t.mutable_residual(), t.mutable_age()},
               track_capacity * 4);
+  reserve_all({t.mutable_acceleration()}, track_capacity * 12);
+  reserve_all({t.mutable_position_covariance(), t.mutable_velocity_covariance(), t.mutable_acceleration_covariance()},
+              track_capacity * 24);
   tracks.mutable_stamps();
   auto& particles = messages_->by_topic[static_cast<std::size_t>(Topic::particles)];
   auto& p = *particles.mutable_particles();
@@ -169,6 +183,9 @@ std::span<const std::byte> Encoder::tracks(const Result& result, Stamps& stamps)
   fill_column<float>(*to.mutable_vz(), from.vz_mm_s);
   fill_column<float>(*to.mutable_residual(), from.residual_mm);
   fill_column<std::uint32_t>(*to.mutable_age(), from.age_frames);
+  fill_estimates(to, from.estimate);
+  to.set_adapted_subnets(from.adapted_subnets);
+  to.set_cut_subnets(from.cut_subnets);
   fill_column<std::uint64_t>(*envelope.mutable_births(), from.births);
   fill_column<std::uint64_t>(*envelope.mutable_deaths(), from.deaths);
   Messages::fill_frame(envelope, result, stamps);
@@ -184,7 +201,7 @@ std::span<const std::byte> Encoder::particles(const Result& result, Stamps& stam
   fill_column<float>(*to.mutable_z(), from.z_mm);
   fill_column<float>(*to.mutable_residual(), from.residual_mm);
   fill_column<float>(*to.mutable_support(), from.support);
-  fill_covariances(*to.mutable_covariance(), from.covariance_mm2);
+  fill_rows(*to.mutable_covariance(), from.covariance_mm2, [](const Covariance& c) { return c; });
   Messages::fill_frame(envelope, result, stamps);
   return messages_->serialise(envelope);
 }

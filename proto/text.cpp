@@ -63,6 +63,12 @@ void put_column(Buffer& out, std::string_view name, const std::vector<Value>& va
   put_list(out, values, [&](Value value) { put_number(out, value); });
 }
 
+template <class Rows>
+void put_rows(Buffer& out, std::string_view name, const Rows& rows) {
+  put(out, ",\"{}\":", name);
+  put_list(out, rows, [&](const auto& row) { put_list(out, row, [&](float value) { put_number(out, value); }); });
+}
+
 void put_content(Buffer& out, const TracksColumns& tracks) {
   put_column(out, "particle", tracks.id);
   put_column(out, "x", tracks.x_mm);
@@ -73,6 +79,13 @@ void put_content(Buffer& out, const TracksColumns& tracks) {
   put_column(out, "vz", tracks.vz_mm_s);
   put_column(out, "residual", tracks.residual_mm);
   put_column(out, "age", tracks.age_frames);
+  if (!tracks.acceleration_mm_s2.empty()) {
+    put_rows(out, "acceleration", tracks.acceleration_mm_s2);
+    put_rows(out, "position_covariance", tracks.position_covariance_mm2);
+    put_rows(out, "velocity_covariance", tracks.velocity_covariance_mm2_s2);
+    put_rows(out, "acceleration_covariance", tracks.acceleration_covariance_mm2_s4);
+  }
+  put(out, R"(,"adapted_subnets":{},"cut_subnets":{})", tracks.adapted_subnets, tracks.cut_subnets);
 }
 
 void put_content(Buffer& out, const ParticlesColumns& particles) {
@@ -81,9 +94,7 @@ void put_content(Buffer& out, const ParticlesColumns& particles) {
   put_column(out, "z", particles.z_mm);
   put_column(out, "residual", particles.residual_mm);
   put_column(out, "support", particles.support);
-  put(out, ",\"covariance\":");
-  put_list(out, particles.covariance_mm2,
-           [&](const auto& six) { put_list(out, six, [&](float value) { put_number(out, value); }); });
+  put_rows(out, "covariance", particles.covariance_mm2);
 }
 
 void put_latency(Buffer& out, std::string_view stage, const LatencySummary& s) {

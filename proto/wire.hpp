@@ -31,6 +31,9 @@ struct TracksColumns {
   std::vector<std::uint64_t> id;
   std::vector<float> x_mm, y_mm, z_mm, vx_mm_s, vy_mm_s, vz_mm_s, residual_mm;
   std::vector<std::uint32_t> age_frames;
+  std::vector<std::array<float, 3>> acceleration_mm_s2;  ///< this and the covariances: empty without a Kalman filter
+  std::vector<std::array<float, 6>> position_covariance_mm2, velocity_covariance_mm2_s2, acceleration_covariance_mm2_s4;
+  std::uint32_t adapted_subnets = 0, cut_subnets = 0;
   bool operator==(const TracksColumns&) const = default;
 };
 

@@ -13,10 +13,38 @@ Assignment::Assignment(std::size_t max_sources, std::size_t max_targets)
       heap_(max_targets),
       done_(max_targets) {}
 
-void Assignment::solve(const Candidates& candidates, std::span<const std::uint32_t> subnet) noexcept {
+bool Assignment::solve(const Candidates& candidates, std::span<const std::uint32_t> subnet, double unlinked_cost,
+                       Deadline& deadline) noexcept {
+  unlinked_cost_ = unlinked_cost;
   start_greedily(candidates, subnet);
   reduce_rows(candidates, 4 * subnet.size());
-  while (free_count_ > 0) augment(candidates, free_[--free_count_]);
+  while (free_count_ > 0) {
+    if (!augment(candidates, free_[free_count_ - 1], deadline)) {
+      take_left_over(candidates);
+      return false;
+    }
+    --free_count_;
+  }
+  return true;
+}
+
+void Assignment::approximate(const Candidates& candidates, std::span<const std::uint32_t> subnet,
+                             double unlinked_cost) noexcept {
+  unlinked_cost_ = unlinked_cost;
+  start_greedily(candidates, subnet);
+  reduce_rows(candidates, 4 * subnet.size());
+  take_left_over(candidates);
+}
+
+void Assignment::take_left_over(const Candidates& candidates) noexcept {
+  while (free_count_ > 0) {
+    const std::uint32_t source = free_[--free_count_];
+    for (const Candidate& c : candidates.of(source))
+      if (targets_[c.place].owner == kNone) {
+        own(source, c.place, c.cost);
+        break;
+      }
+  }
 }
 
 void Assignment::own(std::uint32_t source, std::uint32_t target, double cost) noexcept {
@@ -66,9 +94,9 @@ void Assignment::reduce_rows(const Candidates& candidates, std::size_t most_step
 }
 
 Assignment::Choice Assignment::best_choice(std::span<const Candidate> row) const noexcept {
-  Choice best{kNone, kUnlinkedCost, 0};
-  double least = kUnlinkedCost;
-  double second = kUnlinkedCost;
+  Choice best{kNone, unlinked_cost_, 0};
+  double least = unlinked_cost_;
+  double second = unlinked_cost_;
   for (const Candidate& c : row) {
     if (c.cost >= second) break;  // nearest first, and prices are never positive
     const double reduced = c.cost - targets_[c.place].price;
@@ -84,16 +112,18 @@ Assignment::Choice Assignment::best_choice(std::span<const Candidate> row) const
   return best;
 }
 
-/// Distances are along alternating paths from `source`, whose own potential cancels out.
-void Assignment::augment(const Candidates& candidates, std::uint32_t source) noexcept {
+/// Distances are along alternating paths from `source`, whose own potential cancels out. False, and nothing changed,
+/// past the deadline.
+bool Assignment::augment(const Candidates& candidates, std::uint32_t source, Deadline& deadline) noexcept {
   ++search_;
   heap_size_ = done_count_ = 0;
-  PathEnd end{kUnlinkedCost, kNone, source};
+  PathEnd end{unlinked_cost_, kNone, source};
   relax(candidates.of(source), source, 0.0, end);
   while (heap_size_ > 0 && targets_[heap_[0]].distance < end.distance) {
     const std::uint32_t nearest = pop();
     done_[done_count_++] = nearest;
     const Target& target = targets_[nearest];
+    if (deadline.passed(static_cast<std::uint32_t>(candidates.of(target.owner).size()))) return false;
     const double potential = target.owner_cost - target.price;
     relax(candidates.of(target.owner), target.owner, target.distance - potential, end);
   }
@@ -102,10 +132,11 @@ void Assignment::augment(const Candidates& candidates, std::uint32_t source) noe
     target.price += target.distance - end.distance;
   }
   flip(end, source);
+  return true;
 }
 
 void Assignment::relax(std::span<const Candidate> row, std::uint32_t source, double offset, PathEnd& end) noexcept {
-  if (offset + kUnlinkedCost < end.distance) end = {offset + kUnlinkedCost, kNone, source};
+  if (offset + unlinked_cost_ < end.distance) end = {offset + unlinked_cost_, kNone, source};
   for (const Candidate& c : row) {
     if (offset + c.cost >= end.distance) break;
     Target& target = targets_[c.place];

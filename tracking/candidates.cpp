@@ -9,27 +9,36 @@ namespace rptv {
 Candidates::Candidates(std::size_t max_sources, std::size_t max_targets, std::size_t max_per_source)
     : max_per_source_(max_per_source),
       most_found_(std::min(max_targets, kMostFound)),
-      begin_(max_sources + 1),
-      list_(max_sources * max_per_source + most_found_),
+      rows_(max_sources),
+      list_(std::make_unique_for_overwrite<Candidate[]>(max_sources * max_per_source + most_found_ + CellGrid::kSlack)),
       demand_(max_targets) {}
 
-void Candidates::find(const CellGrid& grid, const Positions& expected, std::size_t sources) noexcept {
-  std::fill_n(demand_.begin(), grid.size(), 0U);
+void Candidates::find(const CellGrid& grid, std::span<const Spot> expected, const Gate* gate,
+                      Deadline& deadline) noexcept {
+  std::fill_n(demand_.begin(), grid.size(), Demand{});
   std::size_t end = 0;
-  for (std::size_t s = 0; s < sources; ++s) {
-    begin_[s] = end;
-    end += search(grid, expected, s, list_.data() + end);
-    for (std::size_t k = begin_[s]; k < end; ++k) ++demand_[list_[k].place];
+  std::size_t most = most_found_;
+  for (std::size_t s = 0; s < expected.size(); ++s) {
+    Near* const row = list_.get() + end;
+    std::size_t found = grid.find_near(expected[s].x_mm, expected[s].y_mm, expected[s].z_mm, s, row, most);
+    if (deadline.passed(static_cast<std::uint32_t>(found))) most = std::min(most, max_per_source_);
+    if (found == most && most < most_found_) ++truncated_;
+    if (gate != nullptr)
+      found = static_cast<std::size_t>(
+          std::remove_if(row, row + found, [&](const Near& n) noexcept { return !gate->admits(s, n.place); }) - row);
+    rows_[s] = {end, found < 2 ? static_cast<std::uint32_t>(found) : sort_nearest(row, found)};
+    end += rows_[s].length;
+    for (std::uint32_t k = 0; k < rows_[s].length; ++k) {
+      Demand& demand = demand_[row[k].place];
+      ++demand.count;
+      demand.sources ^= static_cast<std::uint32_t>(s);
+    }
   }
-  begin_[sources] = end;
 }
 
-/// Fills `row` and returns its length. Equal costs keep the grid's order, which begins elsewhere for every source where
-/// particles are crowded: sources at one point then list different particles.
-std::size_t Candidates::search(const CellGrid& grid, const Positions& expected, std::size_t source,
-                               Near* row) noexcept {
-  const std::size_t found =
-      grid.find_near(expected.x_mm[source], expected.y_mm[source], expected.z_mm[source], source, row, most_found_);
+/// Equal costs keep the grid's order, which begins elsewhere for every source where particles are crowded: sources at
+/// one point then list different particles. Returns how many of them are kept.
+std::uint32_t Candidates::sort_nearest(Near* row, std::size_t found) noexcept {
   const auto nearer = [](const Near& a, const Near& b) noexcept { return a.cost < b.cost; };
   std::size_t length = found;
   if (found > max_per_source_) {
@@ -43,7 +52,7 @@ std::size_t Candidates::search(const CellGrid& grid, const Positions& expected, 
     for (; k > 0 && nearer(moved, row[k - 1]); --k) row[k] = row[k - 1];
     row[k] = moved;
   }
-  return length;
+  return static_cast<std::uint32_t>(length);
 }
 
 }  // namespace rptv

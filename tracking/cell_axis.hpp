@@ -13,17 +13,18 @@ namespace rptv {
 struct CellAxis {
   double origin = 0;
   double cells_per_unit = 0;
-  double last = 0;  ///< index of the last cell
+  double last = 0;       ///< index of the last cell
+  double last_from = 0;  ///< index of the first cell of the last window
 
+  /// v must not be NaN.
   std::uint32_t cell(double v) const noexcept {
-    return static_cast<std::uint32_t>(std::clamp((v - origin) * cells_per_unit, 0.0, last));
+    return static_cast<std::uint32_t>(
+        static_cast<std::int64_t>(std::min(std::max((v - origin) * cells_per_unit, 0.0), last)));
   }
-  /// Cells lo … hi hold everything from v − reach to v + reach; false when v is not finite.
-  bool range(double v, double reach, std::uint32_t& lo, std::uint32_t& hi) const noexcept {
-    if (!std::isfinite(v)) return false;
-    lo = cell(v - reach);
-    hi = cell(v + reach);
-    return true;
+  /// Where a window of fixed width begins that holds everything from v − reach on; moved inside the grid at its ends.
+  std::uint32_t window_from(double v, double reach) const noexcept {
+    return static_cast<std::uint32_t>(
+        static_cast<std::int64_t>(std::min(std::max((v - reach - origin) * cells_per_unit, 0.0), last_from)));
   }
 };
 

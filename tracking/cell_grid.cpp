@@ -10,9 +10,13 @@ namespace rptv {
 
 namespace {
 
-constexpr double kCellsPerPoint = 2.0;     // measured optimum is flat between 1 and 4
-constexpr double kFinestCell = 0.5;        // in radii: smaller cells cost more rows than they save points
-constexpr double kHashedCell = 2.0;        // in radii: a ball then meets two cells an axis
+constexpr double kCellsPerPoint = 1.75;    // where the range would allow more
+constexpr double kMostCells = 2.0;         // per point
+constexpr double kMargin = 1e-6;           // of the range: rounding never hides a point
+constexpr double kFarAway = 1e8;           // in ranges from 0: beyond, rounding eats the margin
+constexpr double kCoarseCell = 2.0;        // in ranges: a search meets 2 cells an axis
+constexpr double kFineCell = 1.0;          // in ranges: 3 cells an axis, for crowded ranges
+constexpr double kFineFrom = 4.0;          // points in a coarse cell, on average
 constexpr double kHashedCells = 1U << 31;  // along one axis, around the cloud
 constexpr std::uint64_t kCrowdedCell = 8;  // points that a point shares its cell with, on average
 
@@ -21,20 +25,25 @@ bool finite(double x, double y, double z) noexcept { return (x - x) + (y - y) + 
 }  // namespace
 
 CellGrid::CellGrid(std::size_t max_points)
-    : cell_begin_(std::bit_ceil(std::max<std::size_t>(64, static_cast<std::size_t>(kCellsPerPoint) * max_points)) + 2),
+    : cell_begin_(std::bit_ceil(std::max<std::size_t>(64, static_cast<std::size_t>(kMostCells) * max_points)) + 2),
       cell_of_point_(max_points),
       place_(max_points),
-      points_(max_points) {}
+      original_(max_points),
+      x_(max_points + kSlack),
+      y_(max_points + kSlack),
+      z_(max_points + kSlack) {}
 
-void CellGrid::build(const double* x, const double* y, const double* z, std::size_t count, double radius) noexcept {
-  per_radius_ = 1.0 / radius;
+void CellGrid::build(const double* x, const double* y, const double* z, std::size_t count,
+                     const SearchRange& range) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    per_range_[axis] = 1.0 / range[axis];
+    reach_[axis] = range[axis] * (1 + kMargin);
+  }
   size_ = measure(x, y, z, count);
-  reach_ = radius * (1 + 1e-9);  // rounding never hides a point
-  hashed_ = false;
-  hashed_ = !cover_box() || count_cells(x, y, z, count) > most_shared();
+  hashed_ = !cover_box() || count_cells<false>(x, y, z, count) > most_shared();
   if (hashed_) {
     hash_around(x[count / 2], y[count / 2], z[count / 2]);
-    count_cells(x, y, z, count);
+    count_cells<true>(x, y, z, count);
   }
   sort(x, y, z, count);
 }
@@ -57,61 +66,74 @@ std::size_t CellGrid::measure(const double* x, const double* y, const double* z,
 
 /// Pairs of points in one cell that are not worth hashing: what small cells cannot mend, or few.
 std::uint64_t CellGrid::most_shared() const noexcept {
-  const bool small = axes_[0].cells_per_unit * reach_ * kHashedCell >= 1.0;
+  const bool small = axes_[0].cells_per_unit * reach_[0] * kCoarseCell >= 1.0;
   return small ? UINT64_MAX : kCrowdedCell * size_;
 }
 
 /// Chooses the smallest cells that are worth their rows and not too many; false when the box has no finite size.
 bool CellGrid::cover_box() noexcept {
-  const double most_cells = std::max(64.0, kCellsPerPoint * static_cast<double>(size_));
-  double edge = kFinestCell * reach_;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (std::max(-low_[axis], high_[axis]) > kFarAway * reach_[axis]) return false;
+  const double points = std::max(64.0, static_cast<double>(size_));
+  double edge = kCoarseCell;
   for (int attempt = 0; attempt < 32; ++attempt) {
     double cells = 1;
     int wide_axes = 0;
+    const double cells_met = edge == kFineCell ? 3 : 2;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      axes_[axis] = {low_[axis], 1.0 / edge, std::floor((high_[axis] - low_[axis]) / edge)};
-      cells *= axes_[axis].last + 1;
-      wide_axes += axes_[axis].last > 0 ? 1 : 0;
+      const double width = edge * reach_[axis];
+      const double last = std::floor((high_[axis] - low_[axis]) / width);
+      const double met = std::min(last + 1, cells_met);
+      window_[axis] = static_cast<std::uint32_t>(met);
+      axes_[axis] = {low_[axis], 1.0 / width, last, last + 1 - met};
+      cells *= last + 1;
+      wide_axes += last > 0 ? 1 : 0;
     }
     if (!std::isfinite(cells)) break;
+    if (edge == kCoarseCell && cells * kFineFrom < static_cast<double>(size_)) {
+      edge = kFineCell;
+      continue;
+    }
+    const double most_cells = points * (edge == kFineCell ? kMostCells : kCellsPerPoint);
     if (cells <= most_cells) {
       columns_ = static_cast<std::uint32_t>(axes_[0].last) + 1;
       rows_ = static_cast<std::uint32_t>(axes_[1].last) + 1;
       cells_ = static_cast<std::size_t>(cells);
       return true;
     }
-    edge *= 1.01 * std::pow(cells / most_cells, 1.0 / wide_axes);
+    edge = std::max(edge, kCoarseCell) * 1.01 * std::pow(cells / most_cells, 1.0 / wide_axes);
   }
   return false;
 }
 
 /// Cells of fixed size in all of space; what is too far from (x, y, z) to be numbered shares the outermost cells.
 void CellGrid::hash_around(double x, double y, double z) noexcept {
-  const double edge = kHashedCell * reach_;
   const std::array<double, 3> centre{x, y, z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double width = kCoarseCell * reach_[axis];
     const double middle = std::isfinite(centre[axis]) ? centre[axis] : 0.0;
-    axes_[axis] = {middle - edge * (kHashedCells / 2), 1.0 / edge, kHashedCells};
+    axes_[axis] = {middle - width * (kHashedCells / 2), 1.0 / width, kHashedCells, kHashedCells};
   }
   cells_ = cell_begin_.size() - 2;
   mask_ = static_cast<std::uint32_t>(cells_ - 1);
 }
 
-std::uint32_t CellGrid::cell_of(double px, double py, double pz) const noexcept {
-  const std::uint32_t cell = row_of(axes_[1].cell(py), axes_[2].cell(pz)) + axes_[0].cell(px);
-  return hashed_ ? cell & mask_ : cell;
-}
-
 /// Returns the number of pairs of points that share a cell.
+template <bool hashed>
 std::uint64_t CellGrid::count_cells(const double* x, const double* y, const double* z, std::size_t count) noexcept {
   std::fill_n(cell_begin_.begin(), cells_ + 2, 0U);
   std::uint64_t shared = 0;
+  const std::array<CellAxis, 3> axes = axes_;
   for (std::size_t i = 0; i < count; ++i) {
     if (!all_finite_ && !finite(x[i], y[i], z[i])) {
       cell_of_point_[i] = kNone;
       continue;
     }
-    const std::uint32_t cell = cell_of(x[i], y[i], z[i]);
+    std::uint32_t cell = 0;
+    if constexpr (hashed)
+      cell = (row_of(axes[1].cell(y[i]), axes[2].cell(z[i])) + axes[0].cell(x[i])) & mask_;
+    else
+      cell = (axes[2].cell(z[i]) * rows_ + axes[1].cell(y[i])) * columns_ + axes[0].cell(x[i]);
     cell_of_point_[i] = cell;
     shared += cell_begin_[cell + 2]++;
   }
@@ -129,7 +151,10 @@ void CellGrid::sort(const double* x, const double* y, const double* z, std::size
     }
     const std::uint32_t place = cell_begin_[cell_of_point_[i] + 1]++;
     place_[i] = place;
-    points_[place] = {x[i], y[i], z[i], static_cast<std::uint32_t>(i)};
+    x_[place] = x[i];
+    y_[place] = y[i];
+    z_[place] = z[i];
+    original_[place] = static_cast<std::uint32_t>(i);
   }
 }
 

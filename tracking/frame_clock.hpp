@@ -22,6 +22,7 @@ class FrameClock {
 
   const FrameTime& advance(std::uint64_t frame, std::int64_t exposure_end_ns) noexcept;
 
+  std::int64_t period_ns() const noexcept { return step_ns_; }  ///< the last step believed, per frame; 0 before it
   std::uint64_t clock_faults() const noexcept { return clock_faults_; }
   std::uint64_t frame_faults() const noexcept {
     return frame_faults_;

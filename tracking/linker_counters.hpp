@@ -15,6 +15,8 @@ struct LinkerCounters {
   std::uint64_t subnets = 0;         ///< connected subnetworks of more than one choice
   std::uint64_t largest_subnet = 0;  ///< most tracks in one of them
 
+  std::uint64_t adapted_subnets = 0;     ///< solved at a reduced search range, after the parting of larger ones
+  std::uint64_t cut_subnets = 0;         ///< assigned approximately: the deadline or adaptive_stop was reached
   std::uint64_t ignored_particles = 0;   ///< position was NaN or infinite
   std::uint64_t refused_particles = 0;   ///< beyond max_particles
   std::uint64_t truncated_searches = 0;  ///< tracks with more than max_candidates in range: only the nearest were used

@@ -2,35 +2,42 @@
 // What the user chooses about linking particles into tracks.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/settings.hpp"
 
 namespace rptv {
 
-/// Names follow trackpy where it has one. Memory taken by the linker grows with max_tracks × max_candidates.
+/// Names follow trackpy where it has one; fields() says what each is for. Memory of the linker grows with max_tracks ×
+/// max_candidates, but only where frames need it.
 struct LinkerSettings {
   double search_range_mm = 0.5;
+  std::vector<double> search_range_xyz_mm{0, 0, 0};
   std::int64_t memory = 3;
   std::string predict = "none";
+  std::string start_up = "nearest";
+  double model_error_mm = 0;
+  double noise_mm = 0;
+  double gate_sigma = 0;
+  double flow_bin_mm = 0;
+  double adaptive_stop_mm = 0;
+  double adaptive_step = 0.95;
+  std::int64_t max_subnet = 0;
+  double deadline_ms = 50;
   std::int64_t max_particles = 20'000;
   std::int64_t max_tracks = 32'000;
   std::int64_t max_candidates = 32;
 
-  void fields(FieldList& list) {
-    list.number("search_range_mm", search_range_mm, 1e-9, 1e9,
-                "farthest a particle may be from its (predicted) position to be the same particle, mm");
-    list.integer("memory", memory, 0, 1'000'000,
-                 "frames that a particle may be unseen for and still keep its identity; counts frame indices");
-    list.choice("predict", predict, {"none", "velocity"},
-                "where to look: 'none' at the last position, 'velocity' carried on with the last velocity");
-    list.integer("max_particles", max_particles, 1, 10'000'000, "particles linked per frame; more are counted as lost");
-    list.integer("max_tracks", max_tracks, 1, 10'000'000,
-                 "tracks alive at once, unseen ones included (at least max_particles are kept)");
-    list.integer("max_candidates", max_candidates, 1, 1024,
-                 "nearest particles considered per track; linking is exact while no track has more in its range");
-  }
+  /// Half-axes of the ellipsoid that is searched, mm.
+  std::array<double, 3> range_mm() const noexcept;
+  /// Tracks are Kalman-filtered: they have acceleration and covariance.
+  bool filters() const noexcept { return predict == "kalman" || predict == "kalman_acceleration"; }
+  /// Throws Error(configuration) for values out of range or that contradict each other.
+  void check() const;
+  void fields(FieldList& list);
 };
 
 }  // namespace rptv

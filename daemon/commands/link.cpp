@@ -16,6 +16,8 @@ struct LinkOptions {
   std::string points;
   std::string output = "-";
   double rate_hz = 0;
+  std::vector<double> range_mm;
+  std::size_t smooth_frames = 0;
   LinkerSettings linker;
 };
 
@@ -27,6 +29,11 @@ void tell(const LinkOptions& options, const LinkerCounters& counted) {
         "{} searches found more than {} particles in range and used the nearest: reduce --search-range or raise "
         "--max-candidates\n",
         counted.truncated_searches, options.linker.max_candidates);
+  if (counted.adapted_subnets > 0)
+    std::cerr << fmt::format("{} subnetworks were solved at a reduced search range\n", counted.adapted_subnets);
+  if (counted.cut_subnets > 0)
+    std::cerr << fmt::format("{} subnetworks were only approximated: reduce --search-range, or raise --deadline\n",
+                             counted.cut_subnets);
   if (counted.forgotten_tracks > 0)
     std::cerr << fmt::format("{} unseen tracks ended before their memory did: raise --max-tracks\n",
                              counted.forgotten_tracks);
@@ -34,55 +41,100 @@ void tell(const LinkOptions& options, const LinkerCounters& counted) {
     std::cerr << fmt::format("{} steps of t were jumps: velocities were kept over them\n", counted.clock_faults);
 }
 
-ExitCode link(const LinkOptions& options) {
+ExitCode link(LinkOptions options) {
   if (options.output != "-" && options.output == options.points)
     throw Error(ExitCode::usage, options.output + " is both input and output; give another -o");
+  if (options.smooth_frames > 0 && !options.linker.filters())
+    throw Error(ExitCode::usage, "--smooth needs a Kalman filter; add --predictor kalman");
+  if (options.range_mm.size() == 2)
+    throw Error(ExitCode::usage, "--search-range has 2 values; give one, or one each for x, y and z");
+  options.linker.search_range_mm = options.range_mm[0];
+  if (options.range_mm.size() == 3) options.linker.search_range_xyz_mm = options.range_mm;
+  options.linker.check();
   PointsReader points(options.points);
   const bool no_time = !points.has_time() && options.rate_hz == 0;
   if (no_time) std::cerr << "no column t and no --rate: velocities are mm per frame, t counts frames\n";
-  TracksWriter tracks(options.output);
-  const LinkerCounters counted = link_table(points, options.points == "-" ? "stdin" : options.points, options.linker,
-                                            options.rate_hz > 0 ? options.rate_hz : kOneFramePerSecond, tracks);
+  TracksWriter tracks(options.output, {.estimate = options.linker.filters()});
+  const LinkTableOptions how{.rate_hz = options.rate_hz > 0 ? options.rate_hz : kOneFramePerSecond,
+                             .smooth_frames = options.smooth_frames,
+                             .at_once = options.points == "-"};
+  const LinkerCounters counted =
+      link_table(points, options.points == "-" ? "stdin" : options.points, options.linker, how, tracks);
   tracks.close();
   tell(options, counted);
   return ExitCode::ok;
+}
+
+void add_motion(CLI::App& command, LinkOptions& options) {
+  LinkerSettings& linker = options.linker;
+  const auto length = CLI::Range(0.0, 1e9);
+  command
+      .add_option("--predict,--predictor", linker.predict, "where to look: at the last position, or carried on by ...")
+      ->check(CLI::IsMember({"none", "velocity", "flow", "kalman", "kalman_acceleration"}))
+      ->capture_default_str();
+  command.add_option("--start-up", linker.start_up, "what a new track is expected to do, with a predictor")
+      ->check(CLI::IsMember({"nearest", "rest"}))
+      ->capture_default_str();
+  command
+      .add_option("--model-error", linker.model_error_mm, "rms displacement that a Kalman filter does not explain, mm")
+      ->check(length);
+  command.add_option("--noise", linker.noise_mm, "rms error of points without covariance, mm")->check(length);
+  command.add_option("--gate", linker.gate_sigma, "largest Mahalanobis distance, beside the search range")
+      ->check(CLI::Range(0.0, 1e3));
+  command.add_option("--flow-bin", linker.flow_bin_mm, "cubes that the flow is averaged over, mm")->check(length);
+  command.add_option("--smooth", options.smooth_frames, "frames that each row waits for, to be smoothed by them")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{1000}));
+}
+
+void add_bounds(CLI::App& command, LinkOptions& options) {
+  LinkerSettings& linker = options.linker;
+  linker.deadline_ms = 0;  // nobody waits for a table: exact by default
+  command.add_option("--adaptive-stop", linker.adaptive_stop_mm, "smallest range for oversize subnetworks, mm")
+      ->check(CLI::Range(0.0, 1e9));
+  command.add_option("--adaptive-step", linker.adaptive_step, "factor from one such range to the next")
+      ->check(CLI::Range(0.01, 0.999))
+      ->capture_default_str();
+  command.add_option("--max-subnet", linker.max_subnet, "tracks in a subnetwork from which that begins; 0: never")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}));
+  command.add_option("--deadline", linker.deadline_ms, "time for one frame, ms; 0: none")->check(CLI::Range(0.0, 1e6));
+  command.add_option("--max-particles", linker.max_particles, "most points in one frame")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->capture_default_str();
+  command.add_option("--max-tracks", linker.max_tracks, "most tracks alive at once, unseen ones included")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->capture_default_str();
+  command.add_option("--max-candidates", linker.max_candidates, "nearest points considered per track")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1024}))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 void add_link(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<LinkOptions>();
-  LinkerSettings& linker = options->linker;
   CLI::App* command = app.add_subcommand("link", "Link points into tracks (CSV to CSV)");
   command->add_option("points", options->points, "table with columns frame,x,y[,z][,t]; - is standard input")
       ->required();
   command->add_option("-o,--output", options->output, "table of tracks; - is standard output")->capture_default_str();
-  command->add_option("--search-range", linker.search_range_mm, "farthest step between two frames, mm")
+  command
+      ->add_option("--search-range", options->range_mm, "farthest step between two frames, mm; or one each: 0.2,0.2,1")
       ->required()
+      ->delimiter(',')
+      ->expected(1, 3)
       ->check(CLI::Range(1e-9, 1e9));
-  command->add_option("--memory", linker.memory, "frames that a particle may be unseen for")
+  command->add_option("--memory", options->linker.memory, "frames that a particle may be unseen for")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000}))
-      ->capture_default_str();
-  command->add_option("--predict,--predictor", linker.predict, "where to look: at the last position, or carried on")
-      ->check(CLI::IsMember({"none", "velocity"}))
       ->capture_default_str();
   command->add_option("--rate", options->rate_hz, "frames per second of a table without column t, Hz")
       ->check(CLI::Range(1e-6, 1e9));
-  command->add_option("--max-particles", linker.max_particles, "most points in one frame")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
-      ->capture_default_str();
-  command->add_option("--max-tracks", linker.max_tracks, "most tracks alive at once, unseen ones included")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
-      ->capture_default_str();
-  command->add_option("--max-candidates", linker.max_candidates, "nearest points considered per track")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1024}))
-      ->capture_default_str();
+  add_motion(*command, *options);
+  add_bounds(*command, *options);
   command->footer(
       "Rows must be sorted by frame. Frames come out as they are complete, so a pipe works; trackpy's tables (x, y, "
-      "frame, ...)\nare read as they are.\n\n"
+      "frame, ...)\nare read as they are. docs/linking.md explains the choices.\n\n"
       "Examples:\n"
       "  rapidptv link points.csv --search-range 0.5 --memory 3 -o tracks.csv\n"
-      "  rapidptv link points.csv --search-range 0.2 --predict velocity --rate 150 -o tracks.csv\n"
+      "  rapidptv link points.csv --search-range 0.1,0.1,0.4 --predictor kalman --smooth 5 --rate 150 -o tracks.csv\n"
       "  rapidptv reconstruct --config rig.toml | rapidptv link - --search-range 0.5 > tracks.csv");
   command->callback([options, &chosen] { chosen = [options] { return link(*options); }; });
 }

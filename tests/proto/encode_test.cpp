@@ -47,6 +47,32 @@ void expect_round_trip_of_tracks(Encoder& encoder, const Result& result) {
   RC_ASSERT(message.stamps.at_ns == stamps.at_ns);
 }
 
+TEST(Encoder, gives_back_what_a_filter_knows_and_what_the_linker_cut) {
+  Result result(5, 5);
+  fill_result(result, 1, 5, 1, 7, true);
+  result.tracks.adapted_subnets = 3;
+  result.tracks.cut_subnets = 2;
+  Encoder encoder("session", 5, 5);
+  WireMessage message;
+  ASSERT_EQ(decode(encoder.tracks(result, result.stamps), message), "");
+  const auto& tracks = std::get<TracksColumns>(message.content);
+  ASSERT_EQ(tracks.acceleration_mm_s2.size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const TrackEstimate& e = result.tracks.estimate[i];
+    EXPECT_EQ(tracks.acceleration_mm_s2[i][1], static_cast<float>(e.ay_mm_s2));
+    for (std::size_t k = 0; k < 6; ++k) {
+      EXPECT_EQ(tracks.position_covariance_mm2[i][k], static_cast<float>(e.position_mm2[k]));
+      EXPECT_EQ(tracks.velocity_covariance_mm2_s2[i][k], static_cast<float>(e.velocity_mm2_s2[k]));
+      EXPECT_EQ(tracks.acceleration_covariance_mm2_s4[i][k], static_cast<float>(e.acceleration_mm2_s4[k]));
+    }
+  }
+  EXPECT_EQ(tracks.adapted_subnets, 3U);
+  EXPECT_EQ(tracks.cut_subnets, 2U);
+  fill_result(result, 2, 5);
+  ASSERT_EQ(decode(encoder.tracks(result, result.stamps), message), "");
+  EXPECT_TRUE(std::get<TracksColumns>(message.content).acceleration_mm_s2.empty());
+}
+
 TEST(Encoder, gives_back_any_tracks) {
   Encoder encoder("session", 64, 64);
   Result result(64, 64);

@@ -11,7 +11,7 @@ namespace rptv {
 /// Fills `result` with `tracks` tracks (ids from `first_id`) and as many particles, stamped as by a pipeline. The
 /// numbers are floats, so that they survive the wire exactly.
 inline void fill_result(Result& result, std::uint64_t frame, std::size_t tracks, std::uint64_t first_id = 1,
-                        unsigned seed = 1) {
+                        unsigned seed = 1, bool filtered = false) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> mm(-3.5F, 3.5F);
   const auto number = [&] { return static_cast<double>(mm(random)); };
@@ -41,6 +41,11 @@ inline void fill_result(Result& result, std::uint64_t frame, std::size_t tracks,
                         .vz_mm_s = number(),
                         .residual_mm = particle.residual_mm,
                         .age_frames = static_cast<std::uint32_t>(i % 3)});
+    if (!filtered) continue;
+    TrackEstimate estimate{number(), number(), number(), {}, {}, {}};
+    for (Covariance* c : {&estimate.position_mm2, &estimate.velocity_mm2_s2, &estimate.acceleration_mm2_s4})
+      for (double& element : *c) element = number();
+    result.tracks.estimate.push_back(estimate);
   }
 }
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "tracking/cell_grid.hpp"
+#include "tracking/near_mask.hpp"
+#include "tracking/nearest.hpp"
 
 namespace rptv {
 namespace {
@@ -36,13 +38,13 @@ std::vector<std::uint32_t> near_by_trial(const Cloud& cloud, double qx, double q
 
 void expect_the_same(const Cloud& cloud, double radius) {
   CellGrid grid(cloud.x.size() + 3);
-  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.x.size(), radius);
+  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.x.size(), {radius, radius, radius});
   for (std::size_t q = 0; q < cloud.x.size(); ++q) {
     if (!std::isfinite(cloud.x[q] + cloud.y[q] + cloud.z[q])) continue;
     const double qx = cloud.x[q] + 0.4 * radius;
     const double qz = cloud.z[q] - 0.6 * radius;
-    std::vector<Near> near(cloud.x.size());
-    near.resize(grid.find_near(qx, cloud.y[q], qz, q, near.data(), near.size()));
+    std::vector<Near> near(cloud.x.size() + CellGrid::kSlack);
+    near.resize(grid.find_near(qx, cloud.y[q], qz, q, near.data(), cloud.x.size()));
     std::vector<std::uint32_t> found;
     for (const Near& n : near) {
       EXPECT_LE(n.cost, 1);
@@ -121,7 +123,7 @@ TEST(CellGrid, leaves_out_points_that_are_not_finite) {
   cloud.y[7] = std::numeric_limits<double>::quiet_NaN();
   cloud.z[49] = std::numeric_limits<double>::infinity();
   CellGrid grid(50);
-  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 50, 1.0);
+  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 50, {1, 1, 1});
   EXPECT_EQ(grid.size(), 48U);
   EXPECT_EQ(grid.place(7), CellGrid::kNone);
   EXPECT_EQ(grid.place(49), CellGrid::kNone);
@@ -131,12 +133,12 @@ TEST(CellGrid, leaves_out_points_that_are_not_finite) {
 TEST(CellGrid, answers_queries_from_outside_and_from_nowhere) {
   const Cloud cloud = uniform(100, 2, 1);
   CellGrid grid(100);
-  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 100, 0.5);
+  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 100, {0.5, 0.5, 0.5});
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
   for (const double q : {50.0, -50.0, 1e300, -1e300, kNan, kInf, -kInf}) {
-    Near found;
-    EXPECT_EQ(grid.find_near(q, 0, 0, 0, &found, 1), 0U);
+    Near found[1 + CellGrid::kSlack];
+    EXPECT_EQ(grid.find_near(q, 0, 0, 0, found, 1), 0U);
   }
 }
 
@@ -144,12 +146,59 @@ TEST(CellGrid, begins_elsewhere_for_every_query_at_a_crowded_point) {
   Cloud cloud;
   for (int i = 0; i < 1000; ++i) cloud.add(1, 2, 3);
   CellGrid grid(1000);
-  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 1000, 0.5);
+  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 1000, {0.5, 0.5, 0.5});
   for (std::size_t q = 0; q < 1000; q += 37) {
-    Near first;
-    EXPECT_EQ(grid.find_near(1, 2, 3, q, &first, 1), 1U);
-    EXPECT_EQ(first.place, q);
+    Near first[1 + CellGrid::kSlack];
+    EXPECT_EQ(grid.find_near(1, 2, 3, q, first, 1), 1U);
+    EXPECT_EQ(first[0].place, q);
   }
+}
+
+TEST(CellGrid, finds_all_points_in_an_ellipsoid) {
+  const Cloud cloud = uniform(700, 9, 2);
+  CellGrid grid(700);
+  for (const SearchRange& range : {SearchRange{0.3, 0.5, 2.5}, SearchRange{4, 0.2, 1}, SearchRange{1, 1, 1}}) {
+    grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 700, range);
+    for (std::size_t q = 0; q < 700; ++q) {
+      std::vector<Near> near(700 + CellGrid::kSlack);
+      near.resize(grid.find_near(cloud.x[q], cloud.y[q], cloud.z[q], q, near.data(), 700));
+      std::size_t expected = 0;
+      for (std::size_t i = 0; i < 700; ++i)
+        expected += std::pow((cloud.x[i] - cloud.x[q]) * (1 / range[0]), 2) +
+                        std::pow((cloud.y[i] - cloud.y[q]) * (1 / range[1]), 2) +
+                        std::pow((cloud.z[i] - cloud.z[q]) * (1 / range[2]), 2) <=
+                    1;
+      ASSERT_EQ(near.size(), expected);
+    }
+  }
+}
+
+TEST(CellGrid, tests_four_points_at_once_as_one_by_one) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(-2, 2);
+  for (int trial = 0; trial < 20'000; ++trial) {
+    double x[4], y[4], z[4], cost[4], plain[4];
+    for (std::size_t k = 0; k < 4; ++k) x[k] = place(random), y[k] = place(random), z[k] = place(random);
+    const Ellipsoid e{place(random), place(random), place(random), 0.7, 0.9, 1.3};
+    ASSERT_EQ(near_mask(x, y, z, e, cost), near_mask_plain(x, y, z, e, plain));
+    for (std::size_t k = 0; k < 4; ++k) ASSERT_EQ(cost[k], plain[k]);
+  }
+}
+
+TEST(CellGrid, finds_the_nearest_point_of_a_kind) {
+  const Cloud cloud = uniform(500, 8, 1);
+  CellGrid grid(500);
+  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), 500, {0.4, 0.4, 0.4});
+  const auto even = [&](std::uint32_t place) { return grid.original(place) % 2 == 0; };
+  for (std::size_t q = 0; q < 500; ++q) {
+    double least = 1e9;
+    for (std::size_t i = 0; i < 500; i += 2)
+      least = std::min(least, std::hypot(cloud.x[i] - cloud.x[q], cloud.y[i] - cloud.y[q], cloud.z[i] - cloud.z[q]));
+    const std::uint32_t place = grid.find_nearest(cloud.x[q], cloud.y[q], cloud.z[q], even);
+    ASSERT_NE(place, CellGrid::kNone);
+    EXPECT_EQ(std::hypot(grid.x(place) - cloud.x[q], grid.y(place) - cloud.y[q], grid.z(place) - cloud.z[q]), least);
+  }
+  EXPECT_EQ(grid.find_nearest(0, 0, 0, [](std::uint32_t) { return false; }), CellGrid::kNone);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ std::vector<TrackRow> link(const std::string& table, const LinkerSettings& setti
   const TemporaryFile file;
   PointsReader points = PointsReader::from_text(table, "points.csv");
   TracksWriter writer(file.path);
-  link_table(points, "points.csv", settings, rate_hz, writer);
+  link_table(points, "points.csv", settings, {.rate_hz = rate_hz}, writer);
   writer.close();
   std::vector<TrackRow> rows;
   TracksReader reader(file.path);
@@ -61,6 +61,41 @@ TEST(LinkTable, reads_a_table_of_trackpy_in_the_plane) {
   EXPECT_EQ(rows[2].particle, rows[1].particle);
   EXPECT_EQ(rows[3].particle, rows[0].particle);
   EXPECT_EQ(rows[2].z_mm, 0);
+}
+
+TEST(LinkTable, grows_with_its_frames_and_links_the_same) {
+  std::string table = "frame,x,y,z\n";
+  for (int frame = 0; frame < 12; ++frame)
+    for (int i = 0; i < 10 + 30 * frame; ++i)
+      table += std::to_string(frame) + "," + std::to_string(3 * i) + "," + std::to_string(0.1 * frame) + ",0\n";
+  LinkerSettings settings = settings_for(1, 2, "kalman");
+  const auto rows = link(table, settings);
+  Session session(settings);
+  std::size_t row = 0;
+  for (int frame = 0; frame < 12; ++frame) {
+    Positions3 positions;
+    for (int i = 0; i < 10 + 30 * frame; ++i) positions.push_back({3.0 * i, std::stod(std::to_string(0.1 * frame)), 0});
+    for (const std::uint64_t id : session.next(positions)) EXPECT_EQ(rows.at(row++).particle, id);
+  }
+  EXPECT_EQ(row, rows.size());
+}
+
+TEST(LinkTable, smooths_with_a_lag_and_keeps_every_row) {
+  const TemporaryFile file;
+  PointsReader points = PointsReader::from_text("frame,x,y\n0,0,0\n1,0.12,0\n2,0.18,0\n3,0.3,0\n", "points.csv");
+  TracksWriter writer(file.path, {.estimate = true});
+  link_table(points, "points.csv", settings_for(1, 0, "kalman"), {.rate_hz = 1, .smooth_frames = 2}, writer);
+  writer.close();
+  CsvReader csv(file.path, {{"frame"}, {"particle"}, {"vx"}, {"var_x"}, {"cov_xz"}, {"var_vx"}, {"ax"}});
+  std::uint64_t frames = 0;
+  for (; csv.next(); ++frames) {
+    EXPECT_EQ(csv.index(0), frames);
+    EXPECT_EQ(csv.index(1), 0U);
+    EXPECT_NEAR(csv.number(2), 0.1, 0.1);
+    EXPECT_GT(csv.number(3), 0);
+    EXPECT_GT(csv.number(5), 0);
+  }
+  EXPECT_EQ(frames, 4U);
 }
 
 TEST(LinkTable, names_the_frame_that_is_too_large) {

@@ -11,14 +11,21 @@
 namespace rptv {
 namespace {
 
-TEST(Linker, allocates_nothing_after_construction) {
+class LinkerAllocation : public testing::TestWithParam<const char*> {};
+
+TEST_P(LinkerAllocation, is_none_after_construction) {
   if (!AllocationCounter::kCounts) GTEST_SKIP() << "a sanitizer has replaced malloc";
   constexpr std::size_t kCount = 3000;
   MovingPoints points(kCount, MovingPoints::Steps::gauss, 0.5, 2);
   Particles particles(kCount);
-  LinkerSettings settings = settings_for(1.0, 3, "velocity");
+  LinkerSettings settings = settings_for(1.0, 3, GetParam());
+  settings.gate_sigma = settings.filters() ? 5 : 0;
+  settings.adaptive_stop_mm = 0.3;
+  settings.max_subnet = 20;
+  settings.deadline_ms = 20;
   settings.max_particles = settings.max_tracks = kCount;
   Session session(settings);
+  Tracks later(session.linker.capacity());
   std::uint64_t allocations = 0;
   for (std::uint64_t frame = 0; frame < 12; ++frame) {
     points.next(particles);
@@ -27,12 +34,18 @@ TEST(Linker, allocates_nothing_after_construction) {
     const std::uint64_t index = frame < 8 ? frame : 10 * frame;  // and gaps that outlast the memory
     AllocationCounter counter;
     session.linker.next(particles, index, static_cast<std::int64_t>(index) * kPeriodNs, session.tracks);
+    session.linker.predict(static_cast<std::int64_t>(index + 2) * kPeriodNs, later);
     allocations += counter.disarm();
   }
   EXPECT_EQ(allocations, 0U);
+  EXPECT_EQ(later.size(), session.linker.live_tracks());
   EXPECT_GT(session.linker.counters().subnets, 0U);
+  EXPECT_GT(session.linker.counters().adapted_subnets, 0U);
   EXPECT_GT(session.linker.counters().deaths, kCount);
 }
+
+INSTANTIATE_TEST_SUITE_P(, LinkerAllocation,
+                         testing::Values("none", "velocity", "flow", "kalman", "kalman_acceleration"));
 
 }  // namespace
 }  // namespace rptv

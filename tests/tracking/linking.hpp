@@ -27,6 +27,7 @@ inline LinkerSettings settings_for(double search_range_mm, std::int64_t memory =
   settings.search_range_mm = search_range_mm;
   settings.memory = memory;
   settings.predict = predict;
+  settings.deadline_ms = 0;
   settings.max_particles = settings.max_tracks = 1000;
   return settings;
 }
