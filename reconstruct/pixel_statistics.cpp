@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Huber's clipped mean and deviation, one pass.
+// Huber's clipped mean and the median deviation by stochastic approximation (Robbins and Monro 1951), one pass.
 #include "reconstruct/pixel_statistics.hpp"
 
 #include <algorithm>
@@ -9,8 +9,8 @@ namespace rptv {
 
 namespace {
 
-// A normal deviate clipped at 2.5 has 0.957 of the variance: what the clipped mean square is divided by.
-constexpr float kClippedVariance = 0.957F;
+constexpr float kMedianDeviation = 0.6745F;  // of a normal deviate, in sigmas
+constexpr float kGain = 1.17F;  // per unit of ln sigma: one over the slope of the share beyond the median deviation
 constexpr float kLeastSigma = 0.29F;        // rounding to grey values alone
 constexpr std::int64_t kStartedRounds = 8;  // an image without particles counts as this many
 
@@ -34,11 +34,10 @@ void PixelStatistics::update(std::size_t first, std::span<const Pixel> grey) noe
   }
   const float rate = 1.0F / static_cast<float>(std::min(rounds_ + 1, window_));
   for (std::size_t i = 0; i < grey.size(); ++i) {
-    const float most = kMostSigmas * sigma[i];
-    const float off = std::clamp(static_cast<float>(grey[i]) - mean[i], -most, most);
-    const float variance = sigma[i] * sigma[i];
-    mean[i] += rate * off;
-    sigma[i] = std::max(std::sqrt(variance + rate * (off * off / kClippedVariance - variance)), kLeastSigma);
+    const float off = static_cast<float>(grey[i]) - mean[i], most = kMostSigmas * sigma[i];
+    mean[i] += rate * std::clamp(off, -most, most);
+    const float turn = std::abs(off) > kMedianDeviation * sigma[i] ? kGain : -kGain;
+    sigma[i] = std::max(sigma[i] * (1 + rate * turn), kLeastSigma);
   }
 }
 

@@ -14,7 +14,7 @@ namespace rptv {
 /// wrong start is forgotten. The first updates weigh 1/n, later ones 1/window. One thread.
 class PixelStatistics {
  public:
-  static constexpr float kMostSigmas = 2.5F;
+  static constexpr float kMostSigmas = 1.5F;
 
   /// `mean` and `sigma` (grey values) are where it starts; equal values for all pixels are forgotten at the first
   /// image.
