@@ -15,24 +15,15 @@ constexpr double kStillMm = 5e-4;  // a step smaller than this (along z: a hundr
 ParticleFit::ParticleFit(const RayWindow& window, const FitOptions& options, std::size_t max_rays)
     : window_(window), options_(options), near_(max_rays) {}
 
-RaySums ParticleFit::sum_within(const ImagePoint& at, double half_width_mm) const noexcept {
-  RaySums sums;
-  for (std::size_t i = 0; i < near_size_; ++i) {
-    const RayOffset r = offset_of(near_[i], at);
-    if (options_.gate.distance(r) <= half_width_mm) sums.add(near_[i], r, 1.0);
-  }
-  return sums;
-}
-
 FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> taken,
                                 const ImagePoint& start) noexcept {
   const double gather_mm = options_.gate.half_width_at(start.z) + 2 * options_.start_margin_mm +
                            window_.slope_half_range() * options_.start_depth_mm;
-  near_size_ = 0;
+  near_.size = 0;
   window_.visit(rays, start, gather_mm, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last && near_size_ < near_.size(); ++i)
+    for (std::size_t i = first; i < last && near_.size < near_.capacity(); ++i)
       if (taken[rays.pixel[i]] == 0 && options_.gate.distance(offset_of(rays.ray[i], start)) <= gather_mm)
-        near_[near_size_++] = rays.ray[i];
+        near_.push(rays.ray[i]);
   });
   ImagePoint at = start;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -53,19 +44,17 @@ FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> 
 // Once the point is almost there, rays far from it will not matter any more.
 void ParticleFit::keep_near(const ImagePoint& at) noexcept {
   const double reach_mm = options_.gate.half_width_at(at.z) + options_.start_margin_mm / 2;
-  const auto far = [&](const Ray& ray) { return options_.gate.distance(offset_of(ray, at)) > reach_mm; };
-  const auto end = std::remove_if(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(near_size_), far);
-  near_size_ = static_cast<std::size_t>(end - near_.begin());
+  near_.keep_if([&](const Ray& ray) { return options_.gate.distance(offset_of(ray, at)) <= reach_mm; });
 }
 
 FittedParticle ParticleFit::fit_owned(const Rays& rays, std::span<const std::int32_t> owner, std::int32_t self,
                                       const ImagePoint& start) noexcept {
   const double half_width_mm = options_.gate.half_width_at(start.z);
-  near_size_ = 0;
+  near_.size = 0;
   window_.visit(rays, start, half_width_mm, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last && near_size_ < near_.size(); ++i)
+    for (std::size_t i = first; i < last && near_.size < near_.capacity(); ++i)
       if (owner[rays.pixel[i]] == self && options_.gate.distance(offset_of(rays.ray[i], start)) <= half_width_mm)
-        near_[near_size_++] = rays.ray[i];
+        near_.push(rays.ray[i]);
   });
   return finish(start);
 }
@@ -81,11 +70,12 @@ FittedParticle ParticleFit::finish(const ImagePoint& at) const noexcept {
   found.residual_mm = std::sqrt(step.wrr / sums.w);
   const double half_width_mm = options_.gate.half_width_at(found.at.z);
   LensletScores scores;
-  for (std::size_t i = 0; i < near_size_; ++i) {
-    const RayOffset r = offset_of(near_[i], found.at);
+  for (std::size_t i = 0; i < near_.size; ++i) {
+    const Ray ray = near_[i];
+    const RayOffset r = offset_of(ray, found.at);
     if (options_.gate.distance(r) > half_width_mm) continue;
     ++found.support;
-    scores.add(near_[i], r);
+    scores.add(ray, r);
   }
   scores.close();
   found.covariance = covariance_of(sums, step, scores, options_.pitch_mm * options_.pitch_mm / 12);

@@ -8,6 +8,7 @@
 
 #include "reconstruct/fit_covariance_kernel.hpp"
 #include "reconstruct/ray_gate_kernel.hpp"
+#include "reconstruct/ray_sums.hpp"
 #include "reconstruct/ray_window.hpp"
 
 namespace rptv {
@@ -51,14 +52,15 @@ class ParticleFit {
   const FitOptions& options() const noexcept { return options_; }
 
  private:
-  RaySums sum_within(const ImagePoint& at, double half_width_mm) const noexcept;
+  RaySums sum_within(const ImagePoint& at, double half_width_mm) const noexcept {
+    return sum_rays(near_, options_.gate, at, half_width_mm);
+  }
   void keep_near(const ImagePoint& at) noexcept;
   FittedParticle finish(const ImagePoint& at) const noexcept;
 
   const RayWindow& window_;
   const FitOptions options_;
-  std::vector<Ray> near_;
-  std::size_t near_size_ = 0;
+  RayColumns near_;
 };
 
 }  // namespace rptv

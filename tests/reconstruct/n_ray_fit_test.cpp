@@ -8,6 +8,7 @@
 #include "reconstruct/fit_covariance_kernel.hpp"
 #include "reconstruct/n_ray_fit_kernel.hpp"
 #include "reconstruct/ray_gate_kernel.hpp"
+#include "reconstruct/ray_sums.hpp"
 
 namespace rptv {
 namespace {
@@ -147,6 +148,34 @@ TEST(RayGate, is_a_square_turned_like_the_lenslets_that_widens_with_depth) {
   EXPECT_NEAR(gate.distance({diagonal * std::cos(turn + 0.785398163), diagonal * std::sin(turn + 0.785398163)}), 0.1,
               1e-9);
   EXPECT_NEAR(gate.half_width_at(-20), 0.12, 1e-12);
+}
+
+TEST(RaySums, over_many_rays_are_those_ray_by_ray) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> centre(-0.2F, 0.2F), slope(-0.016F, 0.016F);
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 100U, 1000U}) {
+    RayColumns columns(count);
+    RaySums expected;
+    const RayGate gate{std::cos(0.3), std::sin(0.3), 0.0825, 0.0006};
+    const ImagePoint at{4.02, -3.01, 7.5};
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Ray ray{4.0F + centre(random), -3.0F + centre(random), slope(random), slope(random)};
+      columns.push(ray);
+      const RayOffset r = offset_of(ray, at);
+      if (gate.distance(r) > gate.half_width_at(at.z)) continue;
+      expected.add(ray, r, 1.0);
+      ++inside;
+    }
+    const RaySums sums = sum_rays(columns, gate, at, gate.half_width_at(at.z));
+    const double n = static_cast<double>(inside) + 1;
+    EXPECT_EQ(sums.w, expected.w);
+    EXPECT_NEAR(sums.ws_x, expected.ws_x, 1e-7 * n);
+    EXPECT_NEAR(sums.wss, expected.wss, 1e-9 * n);
+    EXPECT_NEAR(sums.wr_y, expected.wr_y, 1e-6 * n);
+    EXPECT_NEAR(sums.wrs, expected.wrs, 1e-8 * n);
+    EXPECT_NEAR(sums.wrr, expected.wrr, 1e-7 * n);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The sums of the N-ray fit over many rays at once.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "reconstruct/n_ray_fit_kernel.hpp"
+#include "reconstruct/ray_gate_kernel.hpp"
+
+namespace rptv {
+
+/// Rays as columns. Memory is taken by the constructor.
+class RayColumns {
+ public:
+  explicit RayColumns(std::size_t capacity)
+      : centre_x(capacity + kPadding), centre_y(centre_x), slope_x(centre_x), slope_y(centre_x) {}
+
+  std::size_t capacity() const noexcept { return centre_x.size() - kPadding; }
+  void push(const Ray& ray) noexcept {
+    centre_x[size] = ray.centre_x, centre_y[size] = ray.centre_y;
+    slope_x[size] = ray.slope_x, slope_y[size] = ray.slope_y;
+    ++size;
+  }
+  Ray operator[](std::size_t i) const noexcept { return {centre_x[i], centre_y[i], slope_x[i], slope_y[i]}; }
+  /// Keeps those rays for which `keep(ray)`, in order.
+  template <class Keep>
+  void keep_if(const Keep& keep) noexcept {
+    const std::size_t all = size;
+    size = 0;
+    for (std::size_t i = 0; i < all; ++i) {
+      const Ray ray = (*this)[i];
+      if (keep(ray)) push(ray);
+    }
+  }
+
+  static constexpr std::size_t kPadding = 8;  // a whole vector may be read behind the last ray
+  std::vector<float> centre_x, centre_y, slope_x, slope_y;
+  std::size_t size = 0;
+};
+
+/// Sums with weight 1 over the rays within `half_width_mm` of the gate's middle at `at`; what RaySums::add() gives ray
+/// by ray, to single precision. Eight lanes in a fixed order: the same bits on every processor.
+RaySums sum_rays(const RayColumns& rays, const RayGate& gate, const ImagePoint& at, double half_width_mm) noexcept;
+
+}  // namespace rptv
