@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kCellsPerPoint = 1.75;    // where the range would allow more
 constexpr double kMostCells = 2.0;         // per point
+constexpr std::size_t kFewPoints = 64;     // fewer count as so many: cells cost little then
 constexpr double kMargin = 1e-6;           // of the range: rounding never hides a point
 constexpr double kFarAway = 1e8;           // in ranges from 0: beyond, rounding eats the margin
 constexpr double kCoarseCell = 2.0;        // in ranges: a search meets 2 cells an axis
@@ -25,7 +26,7 @@ bool finite(double x, double y, double z) noexcept { return (x - x) + (y - y) + 
 }  // namespace
 
 CellGrid::CellGrid(std::size_t max_points)
-    : cell_begin_(std::bit_ceil(std::max<std::size_t>(64, static_cast<std::size_t>(kMostCells) * max_points)) + 2),
+    : cell_begin_(std::bit_ceil(static_cast<std::size_t>(kMostCells) * std::max(kFewPoints, max_points)) + 2),
       cell_of_point_(max_points),
       place_(max_points),
       original_(max_points),
@@ -74,7 +75,7 @@ std::uint64_t CellGrid::most_shared() const noexcept {
 bool CellGrid::cover_box() noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (std::max(-low_[axis], high_[axis]) > kFarAway * reach_[axis]) return false;
-  const double points = std::max(64.0, static_cast<double>(size_));
+  const auto points = static_cast<double>(std::max(kFewPoints, size_));
   double edge = kCoarseCell;
   for (int attempt = 0; attempt < 32; ++attempt) {
     double cells = 1;

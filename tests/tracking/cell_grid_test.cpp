@@ -37,7 +37,7 @@ std::vector<std::uint32_t> near_by_trial(const Cloud& cloud, double qx, double q
 }
 
 void expect_the_same(const Cloud& cloud, double radius) {
-  CellGrid grid(cloud.x.size() + 3);
+  CellGrid grid(cloud.x.size());
   grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.x.size(), {radius, radius, radius});
   for (std::size_t q = 0; q < cloud.x.size(); ++q) {
     if (!std::isfinite(cloud.x[q] + cloud.y[q] + cloud.z[q])) continue;
@@ -66,6 +66,12 @@ Cloud uniform(std::size_t count, double side, double depth) {
 
 TEST(CellGrid, finds_all_points_of_a_uniform_cloud) {
   for (const double radius : {0.01, 0.3, 1.0, 3.0, 100.0}) expect_the_same(uniform(700, 9, 1), radius);
+}
+
+// Under the address sanitizer: a small grid must not choose more cells than it has room for.
+TEST(CellGrid, finds_all_of_few_points_with_room_for_few) {
+  for (const std::size_t count : {1U, 2U, 5U, 10U, 19U, 20U, 33U, 60U})
+    for (const double radius : {0.02, 0.3, 1.4, 1.7, 2.2, 3.0}) expect_the_same(uniform(count, 9, 1), radius);
 }
 
 TEST(CellGrid, finds_all_points_in_a_plane_and_on_a_line) {
