@@ -108,6 +108,7 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
       if (number < first_new && sweep + 1 < options_.sweeps) return;  // they were settled before
       fit(p, worker, sweep == 0 && number >= first_new);
     });
+    if (sweep == 0) join_halves(particles);
     if (sweep + 2 == options_.sweeps) mark_ghosts(particles);  // their neighbours have the last sweep to recover
   }
   mark_ghosts(particles);

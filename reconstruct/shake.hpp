@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/image.hpp"
-#include "reconstruct/particle_fit.hpp"
 #include "reconstruct/particle_image.hpp"
 #include "reconstruct/shake_step.hpp"
 
@@ -76,6 +75,10 @@ class Shake {
   void weigh(State& state, const ParticleImage& image, Worker& worker) const noexcept;
   void climb(State& state, Worker& worker, int steps) const noexcept;
   void search_depth(State& state, Worker& worker) const noexcept;
+  bool may_be_one(const FittedParticle& a, const FittedParticle& b) const noexcept;
+  void join_halves(std::span<FittedParticle> particles) noexcept;
+  bool join(FittedParticle& one, FittedParticle& other, Worker& worker) noexcept;
+  double gain_of(const FittedParticle& particle, Worker& worker) noexcept;
   bool is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept;
   void mark_ghosts(std::span<FittedParticle> particles) noexcept;
   std::size_t drop_ghosts(std::span<FittedParticle> particles) noexcept;

@@ -11,38 +11,38 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr Matrix3 kIdentity{1, 0, 0, 0, 1, 0, 0, 0, 1};
+constexpr Block3 kIdentity{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-Matrix3 product(const Matrix3& a, const Matrix3& b) noexcept {
-  Matrix3 c;
+Block3 product(const Block3& a, const Block3& b) noexcept {
+  Block3 c;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
       c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
   return c;
 }
 
-Matrix3 transposed(const Matrix3& a) noexcept { return {a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]}; }
+Block3 transposed(const Block3& a) noexcept { return {a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]}; }
 
-Matrix3 sum(const Matrix3& a, const Matrix3& b, double factor = 1) noexcept {
-  Matrix3 c;
+Block3 sum(const Block3& a, const Block3& b, double factor = 1) noexcept {
+  Block3 c;
   for (std::size_t i = 0; i < 9; ++i) c[i] = a[i] + factor * b[i];
   return c;
 }
 
-void make_symmetric(Matrix3& a) noexcept {
+void make_symmetric(Block3& a) noexcept {
   a[1] = a[3] = 0.5 * (a[1] + a[3]);
   a[2] = a[6] = 0.5 * (a[2] + a[6]);
   a[5] = a[7] = 0.5 * (a[5] + a[7]);
 }
 
-Matrix3 diagonal(double value) noexcept { return {value, 0, 0, 0, value, 0, 0, 0, value}; }
+Block3 diagonal(double value) noexcept { return {value, 0, 0, 0, value, 0, 0, 0, value}; }
 
 }  // namespace
 
-Matrix3 full(const Covariance& c) noexcept { return {c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]}; }
-Covariance upper(const Matrix3& a) noexcept { return {a[0], a[1], a[2], a[4], a[5], a[8]}; }
+Block3 full(const Covariance& c) noexcept { return {c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]}; }
+Covariance upper(const Block3& a) noexcept { return {a[0], a[1], a[2], a[4], a[5], a[8]}; }
 
-bool invert_symmetric(const Matrix3& a, Matrix3& inverse) noexcept {
+bool invert_symmetric(const Block3& a, Block3& inverse) noexcept {
   const double c00 = a[4] * a[8] - a[5] * a[5];
   const double c01 = a[2] * a[5] - a[1] * a[8];
   const double c02 = a[1] * a[5] - a[2] * a[4];
@@ -56,8 +56,8 @@ bool invert_symmetric(const Matrix3& a, Matrix3& inverse) noexcept {
   return true;
 }
 
-double mahalanobis2(const Vector& d, const Matrix3& a) noexcept {
-  Matrix3 inverse;
+double mahalanobis2(const Vector& d, const Block3& a) noexcept {
+  Block3 inverse;
   if (!invert_symmetric(a, inverse)) return std::numeric_limits<double>::infinity();
   double sum2 = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -65,7 +65,7 @@ double mahalanobis2(const Vector& d, const Matrix3& a) noexcept {
   return sum2;
 }
 
-void KalmanState::begin(const Vector& position, const Matrix3& noise, const Vector& velocity) noexcept {
+void KalmanState::begin(const Vector& position, const Block3& noise, const Vector& velocity) noexcept {
   x = {position, velocity, Vector{}};
   p = {};
   p[0] = noise;
@@ -108,10 +108,10 @@ void KalmanState::predict(const KalmanModel& model, double dt) noexcept {
       for (std::size_t k = 0; k < 9; k += 4) p[block(i, j)][k] += q * g[i] * g[j];
 }
 
-bool KalmanState::update(const KalmanModel& model, const Vector& position, const Matrix3& noise) noexcept {
-  Matrix3 inverse;
+bool KalmanState::update(const KalmanModel& model, const Vector& position, const Block3& noise) noexcept {
+  Block3 inverse;
   if (!invert_symmetric(sum(p[0], noise), inverse)) return false;
-  std::array<Matrix3, 3> gain{}, gain_t{}, to_position{};
+  std::array<Block3, 3> gain{}, gain_t{}, to_position{};
   const Vector innovation{position[0] - x[0][0], position[1] - x[0][1], position[2] - x[0][2]};
   for (std::size_t i = 0; i < model.order; ++i) {
     gain[i] = product(transposed(p[block(0, i)]), inverse);
@@ -120,17 +120,17 @@ bool KalmanState::update(const KalmanModel& model, const Vector& position, const
       x[i][k] +=
           gain[i][3 * k] * innovation[0] + gain[i][3 * k + 1] * innovation[1] + gain[i][3 * k + 2] * innovation[2];
   }
-  const Matrix3 rest = sum(kIdentity, gain[0], -1);
+  const Block3 rest = sum(kIdentity, gain[0], -1);
   const auto before = p;
   to_position[0] = product(rest, before[0]);
   for (std::size_t i = 1; i < model.order; ++i)
     to_position[i] = sum(transposed(before[block(0, i)]), product(gain[i], before[0]), -1);
-  const Matrix3 rest_t = transposed(rest);
+  const Block3 rest_t = transposed(rest);
   p[0] = sum(product(to_position[0], rest_t), product(product(gain[0], noise), gain_t[0]));
   for (std::size_t j = 1; j < model.order; ++j) {
     for (std::size_t i = 0; i <= j; ++i) {
-      const Matrix3 left = i == 0 ? product(rest, before[block(0, j)])
-                                  : sum(before[block(i, j)], product(gain[i], before[block(0, j)]), -1);
+      const Block3 left = i == 0 ? product(rest, before[block(0, j)])
+                                 : sum(before[block(i, j)], product(gain[i], before[block(0, j)]), -1);
       p[block(i, j)] =
           sum(sum(left, product(to_position[i], gain_t[j]), -1), product(product(gain[i], noise), gain_t[j]));
     }
@@ -140,10 +140,10 @@ bool KalmanState::update(const KalmanModel& model, const Vector& position, const
   return true;
 }
 
-void KalmanState::replace_position(const Vector& position, const Matrix3& noise) noexcept {
+void KalmanState::replace_position(const Vector& position, const Block3& noise) noexcept {
   x[0] = position;
   p[0] = noise;
-  p[1] = p[2] = Matrix3{};
+  p[1] = p[2] = Block3{};
 }
 
 }  // namespace rptv

@@ -11,7 +11,7 @@
 namespace rptv {
 
 /// 3×3 matrix by rows.
-using Matrix3 = std::array<double, 9>;
+using Block3 = std::array<double, 9>;
 
 /// Noise and order of the model; the same for all tracks of a frame.
 struct KalmanModel {
@@ -28,7 +28,7 @@ struct KalmanModel {
 /// one thread.
 struct KalmanState {
   std::array<std::array<double, 3>, 3> x{};  ///< x[0] position, x[1] velocity, x[2] acceleration
-  std::array<Matrix3, 6> p{};                ///< blocks 00 01 02 11 12 22; those below are their transposes
+  std::array<Block3, 6> p{};                 ///< blocks 00 01 02 11 12 22; those below are their transposes
   std::int64_t at_ns = 0;                    ///< FrameClock time of the state; kept by the caller
   bool fresh = true;                         ///< seen once: what is not position is a guess
 
@@ -36,22 +36,22 @@ struct KalmanState {
     return row == 0 ? column : row == 1 ? 2 + column : 5;
   }
   /// At the first measurement. The guess of the velocity enters with the model's prior at the first time update.
-  void begin(const std::array<double, 3>& position, const Matrix3& noise,
+  void begin(const std::array<double, 3>& position, const Block3& noise,
              const std::array<double, 3>& velocity) noexcept;
   /// Of what a single measurement says nothing about; part of the first time update.
   void take_prior(const KalmanModel& model) noexcept;
   void predict(const KalmanModel& model, double dt_s) noexcept;
   /// False, and nothing changed, when the innovation's covariance cannot be inverted.
-  bool update(const KalmanModel& model, const std::array<double, 3>& position, const Matrix3& noise) noexcept;
+  bool update(const KalmanModel& model, const std::array<double, 3>& position, const Block3& noise) noexcept;
   /// Takes the position and keeps all else: for a measurement at an unknown time.
-  void replace_position(const std::array<double, 3>& position, const Matrix3& noise) noexcept;
+  void replace_position(const std::array<double, 3>& position, const Block3& noise) noexcept;
 };
 
-Matrix3 full(const Covariance& upper) noexcept;  ///< from xx, xy, xz, yy, yz, zz
-Covariance upper(const Matrix3& symmetric) noexcept;
+Block3 full(const Covariance& upper) noexcept;  ///< from xx, xy, xz, yy, yz, zz
+Covariance upper(const Block3& symmetric) noexcept;
 /// False when not positive definite.
-bool invert_symmetric(const Matrix3& a, Matrix3& inverse) noexcept;
+bool invert_symmetric(const Block3& a, Block3& inverse) noexcept;
 /// dᵀ a⁻¹ d, or infinity where `a` cannot be inverted.
-double mahalanobis2(const std::array<double, 3>& d, const Matrix3& a) noexcept;
+double mahalanobis2(const std::array<double, 3>& d, const Block3& a) noexcept;
 
 }  // namespace rptv

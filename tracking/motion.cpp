@@ -116,7 +116,7 @@ void Motion::learn(const TrackState& before, const Spot& now) noexcept {
               before.vy_mm_s, before.vz_mm_s});
 }
 
-Matrix3 Motion::noise_of(const Covariance& covariance) const noexcept {
+Block3 Motion::noise_of(const Covariance& covariance) const noexcept {
   const bool given = covariance[0] > 0 && covariance[3] > 0 && covariance[5] > 0;
   if (given) return full(covariance);
   const double variance = noise_mm_ * noise_mm_;
@@ -125,7 +125,7 @@ Matrix3 Motion::noise_of(const Covariance& covariance) const noexcept {
 
 void Motion::filter_on(TrackState& track, bool timed, const Spot& at, const Covariance& covariance) noexcept {
   KalmanState& state = filter(track);
-  const Matrix3 noise = noise_of(covariance);
+  const Block3 noise = noise_of(covariance);
   const std::array<double, 3> position{at.x_mm, at.y_mm, at.z_mm};
   if (!timed || !state.update(model_, position, noise)) state.replace_position(position, noise);
   track.x_mm = state.x[0][0];
@@ -173,7 +173,7 @@ void Motion::gate_by(const CellGrid& grid, const Particles& particles, std::span
 
 bool Motion::admits(std::size_t source, std::uint32_t place) const noexcept {
   const KalmanState& state = filter(gated_tracks_[source]);
-  Matrix3 innovation = noise_of(particles_->covariance_mm2[grid_->original(place)]);
+  Block3 innovation = noise_of(particles_->covariance_mm2[grid_->original(place)]);
   for (std::size_t i = 0; i < 9; ++i) innovation[i] += state.p[0][i];
   const std::array<double, 3> d{grid_->x(place) - state.x[0][0], grid_->y(place) - state.x[0][1],
                                 grid_->z(place) - state.x[0][2]};

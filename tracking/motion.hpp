@@ -75,7 +75,7 @@ class Motion final : public Gate {
  private:
   enum class Kind { none, velocity, flow, filter };
   void learn(const TrackState& before, const Spot& now) noexcept;
-  Matrix3 noise_of(const Covariance& covariance) const noexcept;
+  Block3 noise_of(const Covariance& covariance) const noexcept;
 
   Kind kind_;
   bool start_up_;

@@ -114,6 +114,20 @@ TEST(Shake, drops_ghosts_and_twins_and_what_is_outside) {
   EXPECT_EQ(s.shake.refine(particles, 0), truth.size());
 }
 
+TEST(Shake, joins_the_halves_of_a_particle_that_two_lenslets_see) {
+  const LensletLattice lattice(small_camera());
+  const auto left = lattice.centre_mm(lattice.columns() * (lattice.rows() / 2) + lattice.columns() / 2);
+  const ImageParticle truth{static_cast<double>(left[0]) + 0.0625, static_cast<double>(left[1]), -1.5};
+  const Scene scene({truth, {1.3, 0.8, 5}, {-1.2, -0.7, -8}}, 5);
+  auto particles =
+      starts({{truth.x - 0.06, truth.y, 0}, {truth.x + 0.06, truth.y, 0}, {1.3, 0.8, 5}, {-1.2, -0.7, -8}}, 5);
+  Shaken s(options());
+  s.shake.begin(scene.view(), scene.background);
+  ASSERT_EQ(s.shake.refine(particles, 0), 3U);
+  EXPECT_NEAR(particles[0].at.x, truth.x, 0.01);
+  EXPECT_NEAR(particles[0].at.z, truth.z, 0.5);
+}
+
 TEST(Shake, leaves_nothing_unexplained_but_what_nobody_was_told_of) {
   const std::vector<ImageParticle> truth{{0.1, 0.1, 8}, {-0.8, 0.4, -6}, {0.9, -0.5, 4}};
   const Scene scene(truth, 6);

@@ -120,11 +120,11 @@ TEST(Kalman, stays_symmetric_and_positive_however_long_it_runs) {
 
 TEST(Kalman, refuses_an_innovation_that_has_no_inverse) {
   KalmanState state;
-  state.begin({1, 2, 3}, Matrix3{}, {});
+  state.begin({1, 2, 3}, Block3{}, {});
   const KalmanState before = state;
-  EXPECT_FALSE(state.update(KalmanModel{2, 1, 1}, {2, 2, 2}, Matrix3{}));
+  EXPECT_FALSE(state.update(KalmanModel{2, 1, 1}, {2, 2, 2}, Block3{}));
   EXPECT_EQ(state.x, before.x);
-  EXPECT_TRUE(std::isinf(mahalanobis2({1, 0, 0}, Matrix3{})));
+  EXPECT_TRUE(std::isinf(mahalanobis2({1, 0, 0}, Block3{})));
 }
 
 TEST(Kalman, measures_distance_in_standard_deviations) {
