@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "acquisition/device_status.hpp"
 #include "core/frame.hpp"
 #include "core/losses.hpp"
 
@@ -47,6 +48,9 @@ class Source {
   virtual std::int64_t nominal_period_ns() const noexcept = 0;
   /// What went wrong for good since start() (a file that vanished), one line; empty while all is well. Any thread.
   virtual std::string failure() const = 0;
+  /// Per camera, in camera order: how the device and its driver fare. Empty for sources without devices. Any thread but
+  /// a real-time one: it may allocate and take a lock.
+  virtual std::vector<DeviceStatus> device_status() const { return {}; }
 };
 
 }  // namespace rptv

@@ -21,6 +21,29 @@ bool parse(std::string_view text, Number& value) {
   return error == std::errc() && stop == text.data() + text.size();
 }
 
+/// Elements between commas; quotes round one are optional and keep a comma in it.
+bool parse_texts(std::string_view text, std::vector<std::string>& values) {
+  const auto trim = [](std::string_view part) {
+    while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
+    while (!part.empty() && part.back() == ' ') part.remove_suffix(1);
+    return part;
+  };
+  if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
+  text = trim(text);
+  if (text.empty()) return true;
+  while (true) {
+    text = trim(text);
+    const bool quoted = text.starts_with('"');
+    const std::size_t stop = quoted ? text.find('"', 1) : text.find(',');
+    if (quoted && stop == std::string_view::npos) return false;
+    values.emplace_back(quoted ? text.substr(1, stop - 1) : trim(text.substr(0, stop)));
+    text = trim(text.substr(std::min(text.size(), quoted ? stop + 1 : stop)));
+    if (text.empty()) return true;
+    if (text.front() != ',') return false;
+    text.remove_prefix(1);
+  }
+}
+
 bool parse_numbers(std::string_view text, std::vector<double>& values) {
   if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
   if (text.find_first_not_of(' ') == std::string_view::npos) return true;
@@ -46,6 +69,8 @@ bool parse_value(const Field& field, std::string_view text, FieldValue& value) {
       if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
       value = std::string(text);
       return true;
+    case 5:
+      return parse_texts(text, value.emplace<std::vector<std::string>>());
     default:
       return parse_numbers(text, value.emplace<std::vector<double>>());
   }
@@ -121,6 +146,10 @@ Field& FieldList::numbers(std::string_view name, std::vector<double>& target, st
   field.minimum = minimum;
   field.maximum = maximum;
   return field;
+}
+
+Field& FieldList::texts(std::string_view name, std::vector<std::string>& target, std::string_view doc) {
+  return add(name, &target, doc);
 }
 
 void set_field(FieldList& fields, std::string_view assignment) {

@@ -15,7 +15,7 @@ namespace rptv {
 /// One field of a settings struct. `target` points into the struct, which must outlive the list.
 struct Field {
   std::string path;  ///< dotted, units in the name: "linker.search_range_mm"
-  std::variant<bool*, std::int64_t*, double*, std::string*, std::vector<double>*> target;
+  std::variant<bool*, std::int64_t*, double*, std::string*, std::vector<double>*, std::vector<std::string>*> target;
   double minimum = -std::numeric_limits<double>::infinity();  ///< inclusive; numbers and elements of arrays
   double maximum = std::numeric_limits<double>::infinity();   ///< inclusive
   std::vector<std::string> choices;                           ///< strings: allowed values; empty: any
@@ -40,6 +40,7 @@ class FieldList {
   Field& choice(std::string_view name, std::string& target, std::vector<std::string> choices, std::string_view doc);
   Field& numbers(std::string_view name, std::vector<double>& target, std::size_t size, double minimum, double maximum,
                  std::string_view doc);
+  Field& texts(std::string_view name, std::vector<std::string>& target, std::string_view doc);
 
   template <class Settings>
   void section(std::string_view name, Settings& settings) {

@@ -105,6 +105,8 @@ std::string requirement(const Field& field) {
       for (const auto& choice : field.choices) list += (list.empty() ? "'" : ", '") + choice + "'";
       return "one of " + list;
     }
+    case 5:
+      return "an array of strings";
     default:
       return "an array of " + (field.array_size != 0 ? std::to_string(field.array_size) + " " : std::string()) +
              "finite numbers" + bounds(field);
@@ -118,6 +120,8 @@ bool fits(const Field& field, const FieldValue& value) {
   if (const auto* text = std::get_if<std::string>(&value))
     return is_text(*text) && (field.choices.empty() ||
                               std::find(field.choices.begin(), field.choices.end(), *text) != field.choices.end());
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value))
+    return std::all_of(texts->begin(), texts->end(), [](const std::string& text) { return is_text(text); });
   if (const auto* array = std::get_if<std::vector<double>>(&value))
     return (field.array_size == 0 || array->size() == field.array_size) &&
            std::all_of(array->begin(), array->end(), [&](double x) { return in_bounds(field, x); });
@@ -143,6 +147,10 @@ std::string toml_literal(const FieldValue& value) {
   };
   if (const auto* number = std::get_if<double>(&value)) return number_literal(*number);
   std::string list = "[";
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    for (const auto& each : *texts) list += (list.size() > 1 ? ", " : "") + toml_string(each);
+    return list + "]";
+  }
   for (const double number : std::get<std::vector<double>>(value))
     list += (list.size() > 1 ? ", " : "") + number_literal(number);
   return list + "]";

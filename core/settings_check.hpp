@@ -14,7 +14,7 @@
 namespace rptv {
 
 /// Alternatives in the order of Field::target, so that the index of one tells the other.
-using FieldValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
+using FieldValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, std::vector<std::string>>;
 
 /// What the field takes, for messages: "an integer from 0 to 100", "one of 'newest', 'lossless'".
 std::string requirement(const Field& field);

@@ -124,6 +124,15 @@ class TomlReading {
         return take_number(node, value.emplace<double>());
       case 3:
         return take<std::string>(node, value);
+      case 5: {
+        const auto* array = node.as_array();
+        auto& texts = value.emplace<std::vector<std::string>>();
+        return array != nullptr && std::all_of(array->begin(), array->end(), [&](const toml::node& element) {
+                 const auto text = element.value_exact<std::string>();
+                 if (text) texts.push_back(*text);
+                 return text.has_value();
+               });
+      }
       default: {
         const auto* array = node.as_array();
         auto& numbers = value.emplace<std::vector<double>>();

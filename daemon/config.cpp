@@ -81,6 +81,11 @@ struct JsonValue {
   std::string operator()(const std::int64_t* value) const { return fmt::format("{}", *value); }
   std::string operator()(const double* value) const { return json_number(*value); }
   std::string operator()(const std::string* value) const { return json_string(*value); }
+  std::string operator()(const std::vector<std::string>* values) const {
+    std::string list;
+    for (const auto& value : *values) list += (list.empty() ? "" : ", ") + json_string(value);
+    return "[" + list + "]";
+  }
   std::string operator()(const std::vector<double>* values) const {
     std::string list;
     for (const double& value : *values) list += (list.empty() ? "" : ", ") + (*this)(&value);

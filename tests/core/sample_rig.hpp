@@ -26,6 +26,7 @@ struct Rig {
   bool loop = false;
   double rate_hz = 100;
   std::vector<double> weights;
+  std::vector<std::string> hosts;
   Lens lens;
   void fields(FieldList& list) {
     list.text("name", name, "of the rig");
@@ -34,6 +35,7 @@ struct Rig {
     list.flag("loop", loop, "begin again at the end");
     list.number("rate_hz", rate_hz, 0, 1e6, "frames per second");
     list.numbers("weights", weights, 0, -1e300, 1e300, "any number of them");
+    list.texts("hosts", hosts, "where it is seen");
     list.section("lens", lens);
   }
 };

@@ -79,6 +79,7 @@ TEST(Settings, refuse_what_is_out_of_range_and_what_is_not_finite) {
 TEST(Settings, refuse_arrays_of_the_wrong_length_and_words_that_are_no_choice) {
   EXPECT_THAT(complaint("[lens]\ncentre_mm = [1.0]"), HasSubstr("is an array of 1 values; it must be an array of 2"));
   EXPECT_THAT(complaint("[lens]\ncentre_mm = [1.0, 'a']"), HasSubstr("rig.toml:2:13"));
+  EXPECT_THAT(complaint("hosts = ['a', 1]"), HasSubstr("it must be an array of strings"));
   EXPECT_EQ(complaint("policy = 'oldest'"),
             "rig.toml:1:10: 'policy' is 'oldest'; it must be one of 'newest', 'lossless'");
 }

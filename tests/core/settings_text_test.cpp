@@ -40,7 +40,7 @@ TEST(SettingsText, are_set_one_by_one_from_a_command_line) {
   FieldList list;
   rig.fields(list);
   for (const char* assignment : {"memory=12", "rate_hz=1e3", "loop=true", "name=a=b c", "policy=lossless",
-                                 "weights=1, 2.5,-3", "lens.centre_mm=[4,5]"})
+                                 "weights=1, 2.5,-3", "lens.centre_mm=[4,5]", "hosts=a , \"b,c\",d e"})
     set_field(list, assignment);
   EXPECT_EQ(rig.memory, 12);
   EXPECT_EQ(rig.rate_hz, 1000);
@@ -49,8 +49,11 @@ TEST(SettingsText, are_set_one_by_one_from_a_command_line) {
   EXPECT_EQ(rig.policy, "lossless");
   EXPECT_EQ(rig.weights, (std::vector<double>{1, 2.5, -3}));
   EXPECT_EQ(rig.lens.centre_mm, (std::vector<double>{4, 5}));
+  EXPECT_EQ(rig.hosts, (std::vector<std::string>{"a", "b,c", "d e"}));
   set_field(list, "weights=");
+  set_field(list, "hosts=[]");
   EXPECT_TRUE(rig.weights.empty());
+  EXPECT_TRUE(rig.hosts.empty());
 }
 
 TEST(SettingsText, refuse_a_bad_assignment_from_a_command_line) {
@@ -62,6 +65,8 @@ TEST(SettingsText, refuse_a_bad_assignment_from_a_command_line) {
   EXPECT_THAT(set_complaint("loop=yes"), HasSubstr("true or false"));
   EXPECT_THAT(set_complaint("lens.centre_mm=1"), HasSubstr("array of 2"));
   EXPECT_THAT(set_complaint("name=\xff"), HasSubstr("UTF-8"));
+  EXPECT_THAT(set_complaint("hosts=\"a"), HasSubstr("an array of strings"));
+  EXPECT_THAT(set_complaint("hosts=\"a\"b"), HasSubstr("an array of strings"));
 }
 
 /// Any finite double, every exponent as likely as any other.
@@ -90,6 +95,7 @@ TEST(SettingsText, come_back_bit_for_bit_from_their_own_text) {
     rig.rate_hz = std::fabs(any_double(random, 1e6));
     rig.lens.centre_mm = {any_double(random, 100), round == 0 ? -0.0 : any_double(random, 100)};
     for (auto left = random() % 5; left > 0; --left) rig.weights.push_back(any_double(random, 1e300));
+    for (auto left = random() % 3; left > 0; --left) rig.hosts.push_back(any_text(random));
     FieldList list;
     rig.fields(list);
     read(again, to_toml(list, 1));
@@ -99,6 +105,7 @@ TEST(SettingsText, come_back_bit_for_bit_from_their_own_text) {
     ASSERT_EQ(again.loop, rig.loop);
     ASSERT_EQ(std::bit_cast<std::uint64_t>(again.rate_hz), std::bit_cast<std::uint64_t>(rig.rate_hz));
     ASSERT_EQ(bits_of(again.weights), bits_of(rig.weights));
+    ASSERT_EQ(again.hosts, rig.hosts);
     ASSERT_EQ(bits_of(again.lens.centre_mm), bits_of(rig.lens.centre_mm));
   }
 }
