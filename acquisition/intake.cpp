@@ -92,6 +92,9 @@ void Intake::deliver(Frame&& frame) noexcept {
   Lane& lane = *lanes_[mine.info.camera];
   lane.delivered.fetch_add(1, std::memory_order_relaxed);
   if (!accept(lane, mine)) return;
+  FrameInfo& info = mine.info;
+  if ((info.clock == ClockId::device || info.clock == ClockId::ptp) && info.arrival_ns > 0)
+    info.exposure_end_host_ns = lane.clock.map(info.exposure_end_ns, info.arrival_ns);
   lane.queued.fetch_add(1, std::memory_order_seq_cst);
   // Before a push that will wait: the bundling thread may have to give something up to make room.
   if (bundler_ && lossless_ && lane.queue.waiting() >= lane.depth) arrived_.notify();
@@ -134,6 +137,8 @@ void Intake::close() noexcept {
 }
 
 const Losses& Intake::losses(std::uint32_t camera) const noexcept { return lanes_[camera]->losses; }
+
+ClockMapping Intake::clock_mapping(std::uint32_t camera) const noexcept { return lanes_[camera]->clock.mapping(); }
 
 std::uint64_t Intake::delivered(std::uint32_t camera) const noexcept {
   return lanes_[camera]->delivered.load(std::memory_order_relaxed);

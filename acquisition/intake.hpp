@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "acquisition/bundler.hpp"
+#include "acquisition/device_clock.hpp"
 #include "acquisition/source.hpp"
 #include "core/hand_over.hpp"
 #include "core/losses.hpp"
@@ -38,7 +39,7 @@ struct IntakeOptions {
 /// Every delivered frame is in one set or counted once in losses(camera). Indices that were skipped and that neither a
 /// failed claim nor lose() explains count as `source_gap`; a repeated index as `source_duplicate`; one that comes after
 /// a newer one as `set_stale` (its gap stays counted); an incomplete frame as `source_torn`. A camera that reconnects
-/// must go on with larger indices.
+/// must go on with larger indices. Frames with a device's or PTP's time get their host time here, see DeviceClock.
 class Intake final : public FrameSink {
  public:
   /// Throws Error(configuration) for no or too many cameras and for a pool too small to bundle.
@@ -59,6 +60,8 @@ class Intake final : public FrameSink {
   const Losses& losses(std::uint32_t camera) const noexcept;
   /// Frames given to deliver(), whatever became of them.
   std::uint64_t delivered(std::uint32_t camera) const noexcept;
+  /// How the camera's clock stands to the host's; not valid while no frame with a device's time came.
+  ClockMapping clock_mapping(std::uint32_t camera) const noexcept;
   std::size_t cameras() const noexcept { return lanes_.size(); }
   /// Slots of the camera that nobody holds, at some moment during the call.
   std::size_t free_slots(std::uint32_t camera) const noexcept;

@@ -2,6 +2,7 @@
 // What the Intake keeps for one camera: its slots, its queue, its counters. Private to the Intake.
 #pragma once
 
+#include "acquisition/device_clock.hpp"
 #include "acquisition/intake.hpp"
 #include "core/frame_pool.hpp"
 
@@ -20,6 +21,7 @@ struct Intake::Lane {
   std::uint64_t last_index = 0;          // camera's thread only, as the next two
   std::uint64_t excused = 0;             // frames since the last delivered one whose loss is counted already
   bool started = false;
+  DeviceClock clock;        // map(): camera's thread only
   std::uint64_t taken = 0;  // bundling thread only, as the next two
   bool ended = false;
   bool silent = false;

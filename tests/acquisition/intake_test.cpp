@@ -144,6 +144,24 @@ TEST(Intake, gives_the_newest_frame_and_counts_those_it_replaced) {
   EXPECT_EQ(intake.free_slots(0), 4U);
 }
 
+TEST(Intake, gives_frames_of_a_device_clock_their_host_time_and_leaves_others_alone) {
+  Intake intake(small_cameras(1), {Bounded{4}, 8, 4});
+  FrameSet set;
+  for (const ClockId clock : {ClockId::device, ClockId::ptp, ClockId::recording}) {
+    Frame frame = made_frame(intake.claim(0), 0, 10 + static_cast<std::uint64_t>(clock));
+    frame.info.clock = clock;
+    frame.info.exposure_end_ns = 1'000'000 * static_cast<std::int64_t>(clock);
+    frame.info.exposure_end_host_ns = 7;
+    frame.info.arrival_ns = 9'000'000'000 + frame.info.exposure_end_ns;
+    intake.deliver(std::move(frame));
+    ASSERT_EQ(intake.next(set, 0), Taken::value);
+    const std::int64_t mapped_ns = 9'000'000'000 + set.info().exposure_end_ns;
+    EXPECT_EQ(set.info().exposure_end_host_ns, clock == ClockId::recording ? 7 : mapped_ns);
+  }
+  EXPECT_TRUE(intake.clock_mapping(0).valid);
+  EXPECT_EQ(intake.clock_mapping(0).offset_ns, 9'000'000'000);
+}
+
 TEST(Intake, counts_what_comes_to_a_full_bounded_queue) {
   Intake intake(small_cameras(1), {Bounded{2}, 4, 4});
   for (const std::uint64_t index : {1U, 2U, 3U}) send(intake, 0, index);
