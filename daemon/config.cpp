@@ -27,6 +27,8 @@ void IntakeSettings::fields(FieldList& list) {
   list.integer("pool_frames", pool_frames, 2, 65536, "frames of memory per camera, taken at start");
   list.integer("bundle_patience", bundle_patience, 1, 1024,
                "newer frames of one camera that may come before an incomplete set of several cameras is given up");
+  list.number("silence_alarm_s", silence_alarm_s, 0.01, 86400,
+              "a camera without a frame for so long (three periods if those are longer) raises a warning, s");
 }
 
 IntakeOptions IntakeSettings::options() const {

@@ -28,6 +28,7 @@ struct IntakeSettings {
   std::int64_t depth = 8;
   std::int64_t pool_frames = 16;
   std::int64_t bundle_patience = 4;
+  double silence_alarm_s = 2;
 
   void fields(FieldList& list);
   IntakeOptions options() const;

@@ -3,7 +3,9 @@
 #include "daemon/session.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace rptv {
@@ -33,6 +35,8 @@ Session::Session(const Config& config) {
   auto source = make_source(config);
   auto reconstructor = make_reconstructor(config, source->cameras());
   for (const CameraInfo& camera : source->cameras()) camera_names_.push_back(camera.name);
+  const auto limit_ns = static_cast<std::int64_t>(config.intake.silence_alarm_s * 1e9);
+  alarm_ = std::make_unique<SilenceAlarm>(camera_names_, std::max(limit_ns, 3 * source->nominal_period_ns()));
   PipelineOptions options;
   options.intake = config.intake.options();
   options.max_particles = static_cast<std::size_t>(config.light_field.max_particles);
@@ -60,9 +64,11 @@ void Session::start() {
   started_ns_ = host_now_ns();
   last_summary_ns_ = started_ns_;
   pipeline_->start();
+  flowing_.store(true);
 }
 
 void Session::stop() {
+  flowing_.store(false);
   pipeline_->stop();
   publisher_->stop();
   if (stopped_ns_ == 0) stopped_ns_ = host_now_ns();
@@ -89,6 +95,17 @@ void Session::fill_status(StatusReport& status) {
     append_losses(status.losses, camera_names_[c], pipeline_->camera_losses(c));
   append_losses(status.losses, "pipeline", pipeline_->stage_losses());
   append_losses(status.losses, "readers", reader_losses_);
+  if (flowing_.load() && !finished()) fill_silence(status, now_ns);
+}
+
+void Session::fill_silence(StatusReport& status, std::int64_t now_ns) {
+  const std::vector<DeviceStatus> devices = pipeline_->source().device_status();
+  for (std::uint32_t c = 0; c < camera_names_.size(); ++c) {
+    const DeviceStatus* device = c < devices.size() ? &devices[c] : nullptr;
+    const std::string line = alarm_->look(c, now_ns, pipeline_->delivered(c), device);
+    if (!line.empty()) spdlog::warn("{}", line);
+    if (!alarm_->warning(c).empty()) status.warnings.push_back(alarm_->warning(c));
+  }
 }
 
 std::string Session::summary() {

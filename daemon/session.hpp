@@ -2,10 +2,12 @@
 // One run of the daemon: the pipeline with its publisher and writer, built from a configuration.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
 
+#include "acquisition/silence_alarm.hpp"
 #include "daemon/config.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/publisher.hpp"
@@ -49,9 +51,12 @@ class Session {
 
  private:
   void fill_status(StatusReport& status);
+  void fill_silence(StatusReport& status, std::int64_t now_ns);
 
   Losses reader_losses_;  // of publisher and writer
   std::vector<std::string> camera_names_;
+  std::unique_ptr<SilenceAlarm> alarm_;  // publisher's thread only
+  std::atomic<bool> flowing_{false};     // between start() and stop()
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<ResultWriter> writer_;
