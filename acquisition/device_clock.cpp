@@ -64,7 +64,9 @@ bool DeviceClock::has_jumped(double at_ns, double excess_ns, std::int64_t arriva
   if (at_ns < last_at_ns_) return true;
   const double since_ns = at_ns - last_at_ns_;
   const double below_ns = line(at_ns) - excess_ns;
-  if (below_ns > kJumpNs + kMostDrift * since_ns) return true;
+  // Before there is a line, the frames so far may all have been late.
+  const double jump_ns = at_ns - point(0).at_ns < kFitSpanNs ? 1e9 : kJumpNs;
+  if (below_ns > jump_ns + kMostDrift * since_ns) return true;
   if (below_ns > -(kBehindNs + kMostDrift * since_ns)) {
     behind_since_ns_ = 0;
     return false;

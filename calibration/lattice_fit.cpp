@@ -122,7 +122,8 @@ LatticeFit fit_lattice(std::span<const LatticeSpot> spots, const LatticeParamete
 
 LatticeFit fit_lattice_as_seen(std::span<const LatticeSpot> spots, const LatticeParameters& start, bool may_bend) {
   const LatticeFit plain = fit_lattice(spots, start, false);
-  if (!may_bend || plain.used == 0) return plain;
+  constexpr std::size_t kLeastToBend = 200;  // fewer share their errors too much to tell a bend from them
+  if (!may_bend || plain.used < kLeastToBend) return plain;
   const LatticeFit bent = fit_lattice(spots, start, true);
   if (bent.used == 0) return plain;
   constexpr double kPerParameter = 6, kVisible = 0.2;

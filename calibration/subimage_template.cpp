@@ -10,8 +10,40 @@
 namespace rptv {
 
 namespace {
-constexpr double kGuardPx = 3;  // the template reaches further than the window, so that it can be shifted
-}
+constexpr double kGuardPx = 3;     // the template reaches further than the window, so that it can be shifted
+constexpr double kReachNodes = 2;  // of the weight round a node: two thirds of a pixel
+}  // namespace
+
+/// A plane through the pixels round one node, by weighted least squares, and its height there. A mean would be biased
+/// where the lattice puts more pixels on one side of the node than on the other, as lattices nearly commensurate with
+/// the pixels do.
+struct LocalPlane {
+  double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0, wyy = 0, v = 0, vx = 0, vy = 0;
+
+  void add(double x, double y, double value) noexcept {
+    const double weight = (1 - std::abs(x) / kReachNodes) * (1 - std::abs(y) / kReachNodes);
+    w += weight, wx += weight * x, wy += weight * y;
+    wxx += weight * x * x, wxy += weight * x * y, wyy += weight * y * y;
+    v += weight * value, vx += weight * x * value, vy += weight * y * value;
+  }
+
+  /// What another plane's pixels would add after half a turn round its node.
+  void add_turned(const LocalPlane& other) noexcept {
+    w += other.w, wx -= other.wx, wy -= other.wy, wxx += other.wxx, wxy += other.wxy, wyy += other.wyy;
+    v += other.v, vx -= other.vx, vy -= other.vy;
+  }
+
+  double value_or(double otherwise) const noexcept {
+    if (!(w > 0)) return otherwise;
+    const double mx = wx / w, my = wy / w;
+    const double xx = wxx / w - mx * mx, xy = wxy / w - mx * my, yy = wyy / w - my * my;
+    const double xv = vx / w - mx * v / w, yv = vy / w - my * v / w;
+    const double determinant = xx * yy - xy * xy;
+    constexpr double kLeastSpread = 1e-2;  // nodes to the fourth: fewer than three pixels, or in a line
+    if (!(determinant > kLeastSpread)) return v / w;
+    return v / w - (mx * (yy * xv - xy * yv) + my * (xx * yv - xy * xv)) / determinant;
+  }
+};
 
 SubimageTemplate::SubimageTemplate(const GreyImage& image, std::span<const std::array<double, 2>> centres_px,
                                    double window_px)
@@ -19,25 +51,22 @@ SubimageTemplate::SubimageTemplate(const GreyImage& image, std::span<const std::
       half_(static_cast<int>(std::ceil((window_px + kGuardPx) * kFiner))),
       side_(2 * half_ + 1),
       grid_(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_)) {
-  std::vector<double> count(grid_.size());
+  std::vector<LocalPlane> nodes(grid_.size());
   const int reach = static_cast<int>(std::ceil(window_px + kGuardPx));
+  double total = 0, samples = 0;
   for (const auto& [x, y] : centres_px) {
     const int i0 = static_cast<int>(std::lround(x)), j0 = static_cast<int>(std::lround(y));
     for (int j = std::max(0, j0 - reach); j <= std::min(image.height - 1, j0 + reach); ++j)
       for (int i = std::max(0, i0 - reach); i <= std::min(image.width - 1, i0 + reach); ++i) {
-        const auto a = static_cast<int>(std::lround((i - x) * kFiner)),
-                   b = static_cast<int>(std::lround((j - y) * kFiner));
-        if (std::abs(a) > half_ || std::abs(b) > half_) continue;
-        for (const int sign : {1, -1}) {  // half a turn
-          const auto at = static_cast<std::size_t>((half_ + sign * b) * side_ + half_ + sign * a);
-          grid_[at] += image.at(i, j), ++count[at];
-        }
+        total += image.at(i, j), ++samples;
+        spread(nodes, half_ + (i - x) * kFiner, half_ + (j - y) * kFiner, image.at(i, j));
       }
   }
-  double total = 0, samples = 0;
-  for (std::size_t k = 0; k < grid_.size(); ++k) total += grid_[k], samples += count[k];
-  for (std::size_t k = 0; k < grid_.size(); ++k) grid_[k] = count[k] > 0 ? grid_[k] / count[k] : total / samples;
-  smooth();
+  for (std::size_t k = 0; k < grid_.size(); ++k) {
+    LocalPlane both = nodes[k];
+    both.add_turned(nodes[grid_.size() - 1 - k]);
+    grid_[k] = both.value_or(total / samples);
+  }
   lowest_ = 1e300, highest_ = -1e300;
   for (int j = -half_; j <= half_; ++j)
     for (int i = -half_; i <= half_; ++i) {
@@ -47,18 +76,14 @@ SubimageTemplate::SubimageTemplate(const GreyImage& image, std::span<const std::
     }
 }
 
-void SubimageTemplate::smooth() {  // binomial, 1 2 1 in both directions: half a pixel across
-  for (int pass = 0; pass < 2; ++pass) {
-    std::vector<double> smoothed = grid_;
-    for (int j = 0; j < side_; ++j)
-      for (int i = 0; i < side_; ++i) {
-        const auto value = [&](int k) {
-          return pass == 0 ? cell(std::clamp(i + k, 0, side_ - 1), j) : cell(i, std::clamp(j + k, 0, side_ - 1));
-        };
-        smoothed[static_cast<std::size_t>(j * side_ + i)] = 0.25 * value(-1) + 0.5 * value(0) + 0.25 * value(1);
-      }
-    grid_ = std::move(smoothed);
-  }
+/// To the nodes within kReachNodes of (x, y), in nodes from the first.
+void SubimageTemplate::spread(std::vector<LocalPlane>& nodes, double x, double y, double value) const {
+  const int first_i = std::max(0, static_cast<int>(std::ceil(x - kReachNodes))),
+            last_i = std::min(side_ - 1, static_cast<int>(std::floor(x + kReachNodes)));
+  const int first_j = std::max(0, static_cast<int>(std::ceil(y - kReachNodes))),
+            last_j = std::min(side_ - 1, static_cast<int>(std::floor(y + kReachNodes)));
+  for (int j = first_j; j <= last_j; ++j)
+    for (int i = first_i; i <= last_i; ++i) nodes[static_cast<std::size_t>(j * side_ + i)].add(x - i, y - j, value);
 }
 
 SubimageTemplate::Sample SubimageTemplate::sample(double dx_px, double dy_px) const noexcept {

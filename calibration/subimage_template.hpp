@@ -18,6 +18,8 @@ struct TemplateMatch {
   bool found = false;     ///< false: no light, or the match ran away
 };
 
+struct LocalPlane;
+
 /// Mean of a periodic image round the lattice points given, on a grid of a third of a pixel, made symmetric under half
 /// a turn: its origin is then the centre of symmetry, whatever the sub-images' form. Made once, read by any thread.
 class SubimageTemplate {
@@ -42,7 +44,7 @@ class SubimageTemplate {
   Sample sample(double dx_px, double dy_px) const noexcept;
   double& cell(int i, int j) noexcept { return grid_[static_cast<std::size_t>(j * side_ + i)]; }
   double cell(int i, int j) const noexcept { return grid_[static_cast<std::size_t>(j * side_ + i)]; }
-  void smooth();
+  void spread(std::vector<LocalPlane>& nodes, double x, double y, double value) const;
 
   double window_px_;
   int half_, side_;

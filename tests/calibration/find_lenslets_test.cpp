@@ -52,6 +52,19 @@ TEST(FindLenslets, finds_every_lattice_whatever_its_pitch_rotation_and_offset) {
   EXPECT_TRUE(held);
 }
 
+TEST(FindLenslets, is_not_misled_by_a_lattice_nearly_commensurate_with_the_pixels) {
+  WhiteScene scene;
+  scene.camera = white_camera(360, 300);
+  scene.camera.lenslets.rotation_deg = -40.4, scene.camera.lenslets.offset_um = {-60, -60};
+  scene.camera.lens.exit_pupil_mm = 28, scene.camera.sensor.pixel_um = 5.4;
+  for (const double radius : {0.15, 0.2, 0.45}) {
+    scene.radius_pitches = radius;
+    const auto found = find(scene);
+    EXPECT_EQ(found.fit.parameters, 4U) << radius;  // a mean of the pixels nearest to each node showed a distortion
+    EXPECT_LT(spot_errors_px(found, scene.camera).back(), 0.03) << radius;
+  }
+}
+
 TEST(FindLenslets, fits_a_distortion_when_there_is_one_and_none_when_there_is_not) {
   WhiteScene scene;
   scene.camera = white_camera();
