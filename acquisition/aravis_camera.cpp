@@ -156,6 +156,7 @@ void AravisCamera::Life::supervise(FrameSink& sink) noexcept {
       wait(kRetry_ns);
     }
   }
+  buffers.end();
   tell(DeviceState::stopped, "");
 }
 

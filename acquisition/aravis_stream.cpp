@@ -43,6 +43,13 @@ void AravisStream::begin(ArvStream* stream, FrameSink& sink, std::uint64_t misse
     if (slot.lease) arv_stream_push_buffer(stream, ARV_BUFFER(g_object_ref(slot.buffer.get())));
 }
 
+void AravisStream::end() noexcept {
+  for (Slot& slot : slots_) {
+    slot.buffer.reset();  // it points into the pool
+    slot.lease.reset();
+  }
+}
+
 void AravisStream::on_event(void* self, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept {
   auto* stream = static_cast<AravisStream*>(self);
   if (type == ARV_STREAM_CALLBACK_TYPE_INIT) stream->enter();

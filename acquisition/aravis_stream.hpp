@@ -26,6 +26,8 @@ class AravisStream {
   /// Claims what is not yet lent, gives all of it to `stream`. Before the acquisition starts. `missed`: frames that the
   /// camera probably took since the last session.
   void begin(ArvStream* stream, FrameSink& sink, std::uint64_t missed);
+  /// Gives all slots back to the sink's pool, which may be gone before this object is. No stream may be left.
+  void end() noexcept;
   /// To pass to arv_camera_create_stream() with this object.
   static void on_event(void* self, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept;
 
