@@ -2,6 +2,7 @@
 // The supervising thread of a camera: it opens what was lost, sets it up again and starts it.
 #include "acquisition/aravis_camera.hpp"
 
+#include <arv.h>
 #include <pthread.h>
 
 #include <algorithm>
@@ -22,6 +23,11 @@ namespace {
 constexpr std::int64_t kRetry_ns = 300'000'000;
 constexpr std::int64_t kLook_ns = 1'000'000'000;  // how often the wait looks up although nothing was told
 constexpr int kSocketBuffer = 8 << 20;
+
+void on_event(void* stream, ArvStreamCallbackType type, ArvBuffer*) noexcept {
+  if (type == ARV_STREAM_CALLBACK_TYPE_INIT) static_cast<AravisStream*>(stream)->enter();
+  if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE) static_cast<AravisStream*>(stream)->done();
+}
 
 }  // namespace
 
@@ -86,7 +92,7 @@ struct AravisCamera::Life {
 
 void AravisCamera::Life::begin_session(FrameSink& sink) {
   ArvFailure failure;
-  StreamHandle made(arv_camera_create_stream(camera.get(), &AravisStream::on_event, &buffers, failure.out()));
+  StreamHandle made(arv_camera_create_stream(camera.get(), &on_event, &buffers, failure.out()));
   if (!made)
     throw Error(ExitCode::unavailable, "camera " + name + " gives no stream (" + failure.text() +
                                            "); close the other program that controls it");

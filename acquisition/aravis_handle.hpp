@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
-// Owners of Aravis' objects and of its error texts; for the aravis_*.cpp files only.
+// Owners of Aravis' objects and of its error texts, without its header; for the aravis_* files only.
 #pragma once
-
-#include <arv.h>
 
 #include <memory>
 #include <string>
-#include <utility>
+
+typedef struct _ArvCamera ArvCamera;
+typedef struct _ArvStream ArvStream;
+typedef struct _ArvBuffer ArvBuffer;
+typedef struct _GError GError;
 
 namespace rptv {
 
 struct DropObject {
-  void operator()(void* object) const noexcept { g_object_unref(object); }
+  void operator()(void* object) const noexcept;
 };
 using CameraHandle = std::unique_ptr<ArvCamera, DropObject>;
 using StreamHandle = std::unique_ptr<ArvStream, DropObject>;
@@ -21,17 +23,18 @@ using BufferHandle = std::unique_ptr<ArvBuffer, DropObject>;
 class ArvFailure {
  public:
   ArvFailure() = default;
-  ~ArvFailure() { g_clear_error(&error_); }
+  ~ArvFailure() { clear(); }
   ArvFailure(const ArvFailure&) = delete;
   ArvFailure& operator=(const ArvFailure&) = delete;
   GError** out() noexcept {
-    g_clear_error(&error_);
+    clear();
     return &error_;
   }
   explicit operator bool() const noexcept { return error_ != nullptr; }
-  std::string text() const { return error_ == nullptr ? std::string() : error_->message; }
+  std::string text() const;
 
  private:
+  void clear() noexcept;
   GError* error_ = nullptr;
 };
 

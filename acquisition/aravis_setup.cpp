@@ -2,6 +2,8 @@
 // Writes the settings of [aravis] to a camera, feature by feature, and reads back what it made of them.
 #include "acquisition/aravis_setup.hpp"
 
+#include <arv.h>
+
 #include <cmath>
 
 #include "core/error.hpp"

@@ -2,6 +2,8 @@
 // What happens in Aravis' receiving thread when an image is complete, or is not.
 #include "acquisition/aravis_stream.hpp"
 
+#include <arv.h>
+
 #include <algorithm>
 
 #include "core/clock.hpp"
@@ -50,21 +52,14 @@ void AravisStream::end() noexcept {
   }
 }
 
-void AravisStream::on_event(void* self, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept {
-  auto* stream = static_cast<AravisStream*>(self);
-  if (type == ARV_STREAM_CALLBACK_TYPE_INIT) stream->enter();
-  if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE && buffer != nullptr) stream->done(buffer);
-}
-
 void AravisStream::enter() noexcept {
   if (priority_ > 0 && !arv_make_thread_realtime(static_cast<int>(priority_))) priority_refused_.store(true);
 }
 
-void AravisStream::done(ArvBuffer* finished) noexcept {
+void AravisStream::done() noexcept {
   ArvStream* stream = stream_.load();
   ArvBuffer* buffer = arv_stream_try_pop_buffer(stream);  // the one just finished, with the queue's reference
   if (buffer == nullptr) return;
-  (void)finished;
   const std::int64_t now_ns = host_now_ns();
   const auto status = static_cast<std::size_t>(arv_buffer_get_status(buffer));
   std::size_t bytes = 0;

@@ -28,8 +28,10 @@ class AravisStream {
   void begin(ArvStream* stream, FrameSink& sink, std::uint64_t missed);
   /// Gives all slots back to the sink's pool, which may be gone before this object is. No stream may be left.
   void end() noexcept;
-  /// To pass to arv_camera_create_stream() with this object.
-  static void on_event(void* self, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept;
+  /// Aravis' receiving thread begins.
+  void enter() noexcept;
+  /// A buffer is done, well or not: Aravis' receiving thread, once per buffer.
+  void done() noexcept;
 
   std::uint64_t delivered() const noexcept { return delivered_.load(std::memory_order_relaxed); }
   std::uint64_t unfit(std::size_t status) const noexcept { return unfit_[status].load(std::memory_order_relaxed); }
@@ -43,8 +45,6 @@ class AravisStream {
     BufferHandle buffer;
     FrameLease lease;  ///< empty while downstream has it
   };
-  void enter() noexcept;
-  void done(ArvBuffer* buffer) noexcept;
   Slot* hold(FrameLease lease);
 
   const std::uint32_t camera_;
