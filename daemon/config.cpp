@@ -17,7 +17,9 @@ namespace rptv {
 namespace fs = std::filesystem;
 
 void SourceSettings::fields(FieldList& list) {
-  list.choice("kind", kind, {"replay"}, "where frames come from: 'replay' plays images, see [replay]");
+  list.choice(
+      "kind", kind, {"replay", "aravis"},
+      "where frames come from: 'replay' plays images, 'aravis' takes GenICam cameras; see the section of that name");
 }
 
 void IntakeSettings::fields(FieldList& list) {
@@ -49,6 +51,7 @@ void OutputSettings::fields(FieldList& list) {
 void Config::fields(FieldList& list) {
   list.section("source", source);
   list.section("replay", replay);
+  list.section("aravis", aravis);
   list.section("intake", intake);
   list.section("light_field", light_field);
   list.section("linker", linker);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "acquisition/aravis_settings.hpp"
 #include "acquisition/intake.hpp"
 #include "core/settings.hpp"
 #include "daemon/publisher.hpp"
@@ -45,6 +46,7 @@ struct Config {
   static constexpr std::int64_t kSchema = 1;
   SourceSettings source;
   ReplaySettings replay;
+  AravisSettings aravis;
   IntakeSettings intake;
   LightFieldSettings light_field;
   LinkerSettings linker;

@@ -2,6 +2,9 @@
 // Which source and which reconstruction a configuration asks for.
 #include <vector>
 
+#ifdef RPTV_ARAVIS
+#include "acquisition/aravis_source.hpp"
+#endif
 #include "calibration/light_field_calibration.hpp"
 #include "core/error.hpp"
 #include "daemon/progress.hpp"
@@ -12,7 +15,22 @@
 
 namespace rptv {
 
+namespace {
+
+std::unique_ptr<Source> make_aravis_source(const Config& config) {
+#ifdef RPTV_ARAVIS
+  return std::make_unique<AravisSource>(config.aravis, static_cast<std::size_t>(config.intake.pool_frames));
+#else
+  throw Error(ExitCode::configuration,
+              "source.kind = '" + config.source.kind +
+                  "', but this rapidptv was built without Aravis; build it with RPTV_ARAVIS=ON");
+#endif
+}
+
+}  // namespace
+
 std::unique_ptr<Source> make_source(const Config& config) {
+  if (config.source.kind == "aravis") return make_aravis_source(config);
   std::unique_ptr<Progress> bar;
   return std::make_unique<ReplaySource>(config.replay, [&bar](std::size_t done, std::size_t total) {
     if (!bar) bar = std::make_unique<Progress>("decode", total);

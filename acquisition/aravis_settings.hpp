@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Settings of GenICam cameras behind Aravis: section [aravis] of the configuration.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/settings.hpp"
+
+namespace rptv {
+
+/// One set of settings for all cameras of the list.
+struct AravisSettings {
+  std::vector<std::string> cameras;
+  std::string ownership = "host";
+  std::string user_set;
+  std::string pixel_format = "Mono8";
+  std::vector<double> region;
+  std::int64_t binning = 0;
+  double exposure_us = 0;
+  double gain = -1;
+  double rate_hz = 0;
+  std::string trigger = "off";
+  std::int64_t packet_size = 0;
+  std::int64_t socket_buffer_bytes = 0;
+  bool packet_resend = true;
+  std::int64_t thread_priority = 0;
+
+  void fields(FieldList& list) {
+    list.texts("cameras", cameras,
+               "addresses, serial numbers or names as 'rapidptv cameras' lists them; best addresses");
+    list.choice("ownership", ownership, {"host", "camera"},
+                "host: the settings below are written to the camera; camera: it keeps what it has, or loads user_set");
+    list.text("user_set", user_set, "ownership 'camera': the user set to load; empty: leave the camera as it is");
+    list.text("pixel_format", pixel_format, "Mono8, Mono10, Mono12 or Mono16");
+    list.numbers("region", region, 0, 0, 65536, "x, y, width, height in px; empty: as the camera has it");
+    list.integer("binning", binning, 0, 16, "pixels joined in x and in y; 0: as the camera has it");
+    list.number("exposure_us", exposure_us, 0, 1e8, "exposure time; 0: as the camera has it");
+    list.number("gain", gain, -1, 100, "gain in the camera's unit, mostly dB; -1: as the camera has it");
+    list.number("rate_hz", rate_hz, 0, 1e5, "frames per second without trigger; 0: as the camera has it");
+    list.text("trigger", trigger, "off, software, or the camera's name of a source: Line1, Action1");
+    list.integer("packet_size", packet_size, 0, 65536, "GigE Vision packet, bytes with IP header; 0: negotiated");
+    list.integer("socket_buffer_bytes", socket_buffer_bytes, 0, 1 << 30,
+                 "receive buffer where no packet socket may be used; 0: 8 MiB, bounded by net.core.rmem_max");
+    list.flag("packet_resend", packet_resend, "ask GigE Vision cameras for lost packets again");
+    list.integer("thread_priority", thread_priority, 0, 99, "real-time priority of the receiving threads; 0: leave");
+  }
+};
+
+}  // namespace rptv

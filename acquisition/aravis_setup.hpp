@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Opens a camera, writes its settings and reads what it then is; for the aravis_*.cpp files only.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "acquisition/aravis_handle.hpp"
+#include "acquisition/aravis_settings.hpp"
+#include "acquisition/pixel_format.hpp"
+#include "core/image.hpp"
+
+namespace rptv {
+
+/// What an opened camera is and will send.
+struct AravisSetup {
+  std::string device;  ///< vendor, model, serial, name it was opened by
+  const PixelFormat* format = nullptr;
+  ImageShape shape;
+  std::size_t payload_bytes = 0;
+  std::int64_t period_ns = 0;     ///< 0: unknown or triggered
+  std::uint32_t packet_size = 0;  ///< 0: not GigE Vision
+  bool wide_ids = false;
+};
+
+/// Opening an absent camera blocks for 2.5 s. Throws Error(unavailable) when it is absent or does not answer.
+CameraHandle open_camera(const std::string& name);
+
+/// Throws Error: configuration for a value that the camera refuses, unavailable when another program controls it or it
+/// stops answering. Not for real-time threads.
+AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const AravisSettings& settings);
+
+}  // namespace rptv

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Buffers of the driver and slots of the sink: each buffer's memory is a leased slot; for the aravis_*.cpp files only.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "acquisition/aravis_handle.hpp"
+#include "acquisition/frame_counter.hpp"
+#include "acquisition/source.hpp"
+
+namespace rptv {
+
+/// Outlives the streams of all sessions of a camera. A finished buffer's slot is delivered only when another slot could
+/// be claimed to stand in for it; else the image is given up (the sink counts `pool_empty`) and its buffer used again.
+/// So the driver always has the same number of buffers.
+class AravisStream {
+ public:
+  /// `slots`: of the sink's pool for this camera; `lent`: how many of them lie with the driver.
+  AravisStream(std::uint32_t camera, ImageShape shape, std::size_t slots, std::size_t lent, std::int64_t priority,
+               FrameCounter::Width width);
+
+  /// Claims what is not yet lent, gives all of it to `stream`. Before the acquisition starts. `missed`: frames that the
+  /// camera probably took since the last session.
+  void begin(ArvStream* stream, FrameSink& sink, std::uint64_t missed);
+  /// Gives all slots back to the sink's pool, which may be gone before this object is. No stream may be left.
+  void end() noexcept;
+  /// Aravis' receiving thread begins.
+  void enter() noexcept;
+  /// A buffer is done, well or not: Aravis' receiving thread, once per buffer.
+  void done() noexcept;
+
+  std::uint64_t delivered() const noexcept { return delivered_.load(std::memory_order_relaxed); }
+  std::uint64_t unfit(std::size_t status) const noexcept { return unfit_[status].load(std::memory_order_relaxed); }
+  static constexpr std::size_t kStatuses = 9;  ///< as in ArvBufferStatus; 0: complete but of another size
+  static const char* status_name(std::size_t status) noexcept;
+  std::int64_t last_frame_ns() const noexcept { return last_frame_ns_.load(std::memory_order_relaxed); }
+  bool priority_refused() const noexcept { return priority_refused_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Slot {
+    BufferHandle buffer;
+    FrameLease lease;  ///< empty while downstream has it
+  };
+  Slot* hold(FrameLease lease);
+
+  const std::uint32_t camera_;
+  const ImageShape shape_;
+  const std::size_t lent_;
+  const std::int64_t priority_;
+  std::vector<Slot> slots_;  ///< by slot number of the pool
+  FrameCounter counter_;
+  FrameSink* sink_ = nullptr;
+  std::atomic<ArvStream*> stream_{nullptr};
+  std::atomic<std::uint64_t> delivered_{0};
+  std::array<std::atomic<std::uint64_t>, kStatuses> unfit_{};
+  std::atomic<std::int64_t> last_frame_ns_{0};
+  std::atomic<bool> priority_refused_{false};
+};
+
+}  // namespace rptv
