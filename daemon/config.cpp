@@ -17,7 +17,8 @@ namespace rptv {
 namespace fs = std::filesystem;
 
 void SourceSettings::fields(FieldList& list) {
-  list.choice("kind", kind, {"replay"}, "where frames come from: 'replay' plays images, see [replay]");
+  list.choice("kind", kind, {"replay", "v4l2"},
+              "where frames come from: 'replay' plays images, see [replay]; 'v4l2' cameras of the kernel, see [v4l2]");
 }
 
 void IntakeSettings::fields(FieldList& list) {
@@ -47,6 +48,7 @@ void OutputSettings::fields(FieldList& list) {
 void Config::fields(FieldList& list) {
   list.section("source", source);
   list.section("replay", replay);
+  list.section("v4l2", v4l2);
   list.section("intake", intake);
   list.section("light_field", light_field);
   list.section("linker", linker);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acquisition/intake.hpp"
+#include "acquisition/v4l2_settings.hpp"
 #include "core/settings.hpp"
 #include "daemon/publisher.hpp"
 #include "reconstruct/light_field_settings.hpp"
@@ -44,6 +45,7 @@ struct Config {
   static constexpr std::int64_t kSchema = 1;
   SourceSettings source;
   ReplaySettings replay;
+  V4l2Settings v4l2;
   IntakeSettings intake;
   LightFieldSettings light_field;
   LinkerSettings linker;

@@ -2,6 +2,7 @@
 // Which source and which reconstruction a configuration asks for.
 #include <vector>
 
+#include "acquisition/v4l2_source.hpp"
 #include "calibration/light_field_calibration.hpp"
 #include "core/error.hpp"
 #include "daemon/progress.hpp"
@@ -13,6 +14,7 @@
 namespace rptv {
 
 std::unique_ptr<Source> make_source(const Config& config) {
+  if (config.source.kind == "v4l2") return std::make_unique<V4l2Source>(config.v4l2);
   std::unique_ptr<Progress> bar;
   return std::make_unique<ReplaySource>(config.replay, [&bar](std::size_t done, std::size_t total) {
     if (!bar) bar = std::make_unique<Progress>("decode", total);
