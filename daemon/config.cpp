@@ -17,9 +17,9 @@ namespace rptv {
 namespace fs = std::filesystem;
 
 void SourceSettings::fields(FieldList& list) {
-  list.choice(
-      "kind", kind, {"replay", "aravis"},
-      "where frames come from: 'replay' plays images, 'aravis' takes GenICam cameras; see the section of that name");
+  list.choice("kind", kind, {"replay", "aravis", "v4l2"},
+              "where frames come from: 'replay' plays images, 'aravis' takes GenICam cameras, 'v4l2' cameras of the "
+              "kernel; see the section of that name");
 }
 
 void IntakeSettings::fields(FieldList& list) {
@@ -52,6 +52,7 @@ void Config::fields(FieldList& list) {
   list.section("source", source);
   list.section("replay", replay);
   list.section("aravis", aravis);
+  list.section("v4l2", v4l2);
   list.section("intake", intake);
   list.section("light_field", light_field);
   list.section("linker", linker);

@@ -9,6 +9,7 @@
 
 #include "acquisition/aravis_settings.hpp"
 #include "acquisition/intake.hpp"
+#include "acquisition/v4l2_settings.hpp"
 #include "core/settings.hpp"
 #include "daemon/publisher.hpp"
 #include "reconstruct/light_field_settings.hpp"
@@ -47,6 +48,7 @@ struct Config {
   SourceSettings source;
   ReplaySettings replay;
   AravisSettings aravis;
+  V4l2Settings v4l2;
   IntakeSettings intake;
   LightFieldSettings light_field;
   LinkerSettings linker;

@@ -5,6 +5,7 @@
 #ifdef RPTV_ARAVIS
 #include "acquisition/aravis_source.hpp"
 #endif
+#include "acquisition/v4l2_source.hpp"
 #include "calibration/light_field_calibration.hpp"
 #include "core/error.hpp"
 #include "daemon/progress.hpp"
@@ -31,6 +32,7 @@ std::unique_ptr<Source> make_aravis_source(const Config& config) {
 
 std::unique_ptr<Source> make_source(const Config& config) {
   if (config.source.kind == "aravis") return make_aravis_source(config);
+  if (config.source.kind == "v4l2") return std::make_unique<V4l2Source>(config.v4l2);
   std::unique_ptr<Progress> bar;
   return std::make_unique<ReplaySource>(config.replay, [&bar](std::size_t done, std::size_t total) {
     if (!bar) bar = std::make_unique<Progress>("decode", total);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/image.hpp"
-#include "reconstruct/instruction_set.hpp"
+#include "core/instruction_set.hpp"
 
 namespace rptv {
 

@@ -2,7 +2,7 @@
 // Written once, compiled for AVX2 and for any processor; no fused steps, so the results are the same.
 #include "reconstruct/particle_image_cpu.hpp"
 
-#include "reconstruct/instruction_set.hpp"
+#include "core/instruction_set.hpp"
 
 namespace rptv {
 

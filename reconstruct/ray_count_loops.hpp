@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "reconstruct/instruction_set.hpp"
+#include "core/instruction_set.hpp"
 #include "reconstruct/ray_count_kernel.hpp"
 
 namespace rptv {

@@ -2,7 +2,7 @@
 // Written once, compiled for AVX2 and for any processor.
 #include <array>
 
-#include "reconstruct/instruction_set.hpp"
+#include "core/instruction_set.hpp"
 #include "reconstruct/ray_sums.hpp"
 
 namespace rptv {

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// V4L2 cameras over a driver of ours that drops, tears, wraps its counter and goes away: every frame is accounted for.
+#include "acquisition/v4l2_source.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "acquisition/intake.hpp"
+#include "core/error.hpp"
+
+namespace rptv {
+namespace {
+
+constexpr std::int64_t kLongNs = 20'000'000'000;
+
+struct Shot {
+  std::uint32_t sequence;
+  bool torn = false;
+  int error = 0;  // of DQBUF, instead of an image
+};
+
+// Plays its shots, one a poll, then nothing until it is woken. 8 x 1 pixels, each the low byte of the sequence.
+class Driver : public V4l2System {
+ public:
+  explicit Driver(std::vector<Shot> shots, int refused_openings = 0)
+      : shots_(std::move(shots)), refusals_(refused_openings) {}
+  int open(const char*) noexcept override {
+    if (opened_++ > 0 && refusals_-- > 0) return errno = ENOENT, -1;
+    return 77;
+  }
+  int close(int) noexcept override { return 0; }
+  void* mmap(int, std::size_t, long) noexcept override { return memory_; }
+  int munmap(void*, std::size_t) noexcept override { return 0; }
+  int poll(pollfd* descriptors, unsigned long count, int timeout_ms) noexcept override {
+    if (count == 1) return V4l2System::poll(descriptors, 1, 1);  // between two openings
+    if (next_ == shots_.size()) return V4l2System::poll(descriptors + 1, 1, timeout_ms);
+    descriptors[0].revents = POLLIN;
+    return 1;
+  }
+  int ioctl(int, unsigned long request, void* argument) noexcept override {
+    if (request == VIDIOC_QUERYCAP)
+      static_cast<v4l2_capability*>(argument)->capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+    if (request == VIDIOC_G_FMT || request == VIDIOC_S_FMT) {
+      v4l2_pix_format& pixels = static_cast<v4l2_format*>(argument)->fmt.pix;
+      pixels.width = 8, pixels.height = 1, pixels.bytesperline = 8;
+    }
+    if (request == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = sizeof memory_;
+    if (request == VIDIOC_DQBUF) {
+      const Shot& shot = shots_[next_++];
+      if (shot.error != 0) return errno = shot.error, -1;
+      auto& buffer = *static_cast<v4l2_buffer*>(argument);
+      buffer.index = 0, buffer.bytesused = 8, buffer.sequence = shot.sequence;
+      buffer.flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (shot.torn ? V4L2_BUF_FLAG_ERROR : 0U);
+      std::fill(std::begin(memory_), std::end(memory_), static_cast<std::uint8_t>(shot.sequence));
+    }
+    return 0;
+  }
+
+ private:
+  const std::vector<Shot> shots_;
+  int refusals_;
+  std::size_t next_ = 0;
+  int opened_ = 0;
+  std::uint8_t memory_[8] = {};
+};
+
+V4l2Settings one_camera() {
+  V4l2Settings settings;
+  settings.devices = {"/dev/video9"};
+  return settings;
+}
+
+struct Outcome {
+  std::vector<std::uint64_t> indices;
+  std::vector<int> pixels;
+  std::uint64_t gaps = 0, torn = 0, duplicates = 0;
+  DeviceStatus status;
+};
+
+// Until `frames` sets came.
+Outcome play(Driver& driver, std::size_t frames) {
+  Outcome outcome;
+  V4l2Source source(one_camera(), &driver);
+  Intake intake(source.cameras(), {Bounded{64}, 64, 4});
+  source.start(intake);
+  while (outcome.indices.size() < frames) {
+    FrameSet set;
+    if (intake.next(set, kLongNs) != Taken::value) break;
+    outcome.indices.push_back(set.info().index);
+    outcome.pixels.push_back(set.frames[0].view().as_u8()[7]);
+  }
+  outcome.status = source.device_status().front();
+  source.stop();
+  outcome.gaps = intake.losses(0).of(LossCause::source_gap);
+  outcome.torn = intake.losses(0).of(LossCause::source_torn);
+  outcome.duplicates = intake.losses(0).of(LossCause::source_duplicate);
+  return outcome;
+}
+
+std::uint64_t count_of(const DeviceStatus& status, const std::string& name) {
+  for (const DeviceCounter& counter : status.counters)
+    if (counter.name == name) return counter.count;
+  ADD_FAILURE() << "no counter " << name;
+  return 0;
+}
+
+TEST(V4l2Source, delivers_or_counts_every_frame_of_the_driver) {
+  Driver driver({{7}, {8}, {11}, {12, true}, {12}, {13}});
+  const Outcome outcome = play(driver, 4);
+  EXPECT_THAT(outcome.indices, testing::ElementsAre(7, 8, 11, 13));
+  EXPECT_THAT(outcome.pixels, testing::ElementsAre(7, 8, 11, 13));
+  EXPECT_EQ(outcome.gaps, 2U);
+  EXPECT_EQ(outcome.torn, 1U);
+  EXPECT_EQ(outcome.duplicates, 1U);
+  EXPECT_EQ(count_of(outcome.status, "dequeued"), 6U);
+  EXPECT_EQ(count_of(outcome.status, "sequence_gaps"), 2U);
+}
+
+TEST(V4l2Source, goes_on_over_the_wrap_of_the_counter) {
+  Driver driver({{UINT32_MAX - 1}, {UINT32_MAX}, {0}, {2}});
+  const Outcome outcome = play(driver, 4);
+  EXPECT_THAT(outcome.indices, testing::ElementsAre(4294967294U, 4294967295U, 4294967296U, 4294967298U));
+  EXPECT_EQ(outcome.gaps, 1U);
+}
+
+TEST(V4l2Source, comes_back_with_larger_indices_after_the_device_was_gone) {
+  for (const int error : {ENODEV, EIO}) {
+    Driver driver({{100}, {101}, {0, false, error}, {0}, {1}}, 3);
+    const Outcome outcome = play(driver, 4);
+    EXPECT_THAT(outcome.indices, testing::ElementsAre(100, 101, 102, 103));
+    EXPECT_THAT(outcome.pixels, testing::ElementsAre(100, 101, 0, 1));
+    EXPECT_EQ(outcome.status.sessions, 2U);
+    EXPECT_EQ(outcome.status.state, DeviceState::streaming);
+    EXPECT_EQ(count_of(outcome.status, "device_lost"), 1U);
+  }
+}
+
+TEST(V4l2Source, stops_while_a_driver_fills_nothing) {
+  Driver driver({});
+  const Outcome outcome = play(driver, 0);
+  EXPECT_EQ(outcome.status.state, DeviceState::streaming);
+}
+
+TEST(V4l2Source, asks_for_devices_and_names_one_that_is_not_there) {
+  EXPECT_THROW(V4l2Source{V4l2Settings{}}, Error);
+  V4l2Settings settings = one_camera();
+  settings.devices = {"/dev/no-such-camera"};
+  try {
+    const V4l2Source source(settings);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::unavailable);
+    EXPECT_THAT(error.what(), testing::HasSubstr("/dev/no-such-camera: No such file or directory"));
+  }
+}
+
+}  // namespace
+}  // namespace rptv
