@@ -91,7 +91,7 @@ CameraHandle open_camera(const std::string& name) {
   if (camera) return camera;
   const std::string reason = failure ? failure.text() : "not found";
   throw Error(ExitCode::unavailable, "camera " + name + " does not answer (" + reason +
-                                         "); check power, cable and address: 'arv-tool-0.8' lists what answers");
+                                         "); check power, cable and address: 'rapidptv cameras' lists what answers");
 }
 
 AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const AravisSettings& settings) {
