@@ -69,6 +69,7 @@ void Session::start() {
 
 void Session::stop() {
   flowing_.store(false);
+  if (stopped_ns_ == 0) last_cameras_ = camera_reports();
   pipeline_->stop();
   publisher_->stop();
   if (stopped_ns_ == 0) stopped_ns_ = host_now_ns();
@@ -95,7 +96,26 @@ void Session::fill_status(StatusReport& status) {
     append_losses(status.losses, camera_names_[c], pipeline_->camera_losses(c));
   append_losses(status.losses, "pipeline", pipeline_->stage_losses());
   append_losses(status.losses, "readers", reader_losses_);
+  status.cameras = camera_reports();
   if (flowing_.load() && !finished()) fill_silence(status, now_ns);
+}
+
+std::vector<CameraReport> Session::camera_reports() const {
+  constexpr std::array<std::string_view, 4> kStates{"connecting", "streaming", "lost", "stopped"};
+  std::vector<CameraReport> reports;
+  const std::vector<DeviceStatus> devices = pipeline_->source().device_status();
+  for (std::uint32_t c = 0; c < devices.size(); ++c) {
+    const DeviceStatus& device = devices[c];
+    const ClockMapping clock = pipeline_->clock_mapping(c);
+    CameraReport& report = reports.emplace_back();
+    report.name = camera_names_[c], report.state = kStates[static_cast<std::size_t>(device.state)];
+    report.device = device.device, report.link = device.link, report.problem = device.problem;
+    report.sessions = device.sessions, report.delivered = pipeline_->delivered(c);
+    for (const DeviceCounter& counter : device.counters) report.counters.push_back({counter.name, counter.count});
+    report.clock_mapped = clock.valid, report.clock_offset_ns = clock.offset_ns;
+    report.clock_drift_ppm = clock.drift_ppm, report.clock_restarts = clock.restarts;
+  }
+  return reports;
 }
 
 void Session::fill_silence(StatusReport& status, std::int64_t now_ns) {
@@ -133,6 +153,7 @@ SessionReport Session::report() const {
   append_losses(report.losses, "readers", reader_losses_);
   for (std::size_t i = 0; i < kStageCount; ++i) report.latency[i] = summary_of(publisher_->latency()[i]);
   report.elapsed_s = seconds(stopped_ns_ - started_ns_);
+  report.cameras = last_cameras_;
   report.source_failure = source_failure();
   return report;
 }

@@ -20,6 +20,7 @@ struct SessionReport {
   PipelineCounts counts;
   LinkerCounters linker;
   std::vector<LossCount> losses;
+  std::vector<CameraReport> cameras;                  ///< those that are devices, as they were when the run was stopped
   std::array<LatencySummary, kStageCount> latency{};  ///< exposure end to each stage, as published
   double elapsed_s = 0;
   std::string source_failure;
@@ -52,11 +53,13 @@ class Session {
  private:
   void fill_status(StatusReport& status);
   void fill_silence(StatusReport& status, std::int64_t now_ns);
+  std::vector<CameraReport> camera_reports() const;
 
   Losses reader_losses_;  // of publisher and writer
   std::vector<std::string> camera_names_;
-  std::unique_ptr<SilenceAlarm> alarm_;  // publisher's thread only
-  std::atomic<bool> flowing_{false};     // between start() and stop()
+  std::vector<CameraReport> last_cameras_;  // before the source was stopped
+  std::unique_ptr<SilenceAlarm> alarm_;     // publisher's thread only
+  std::atomic<bool> flowing_{false};        // between start() and stop()
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<ResultWriter> writer_;

@@ -2,24 +2,13 @@
 // A run's report as text and as JSON.
 #include <fmt/format.h>
 
+#include "core/json.hpp"
 #include "daemon/session.hpp"
 
 namespace rptv {
 namespace {
 
 double milliseconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-6; }
-
-std::string json_text(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
 
 }  // namespace
 
@@ -39,6 +28,7 @@ std::string to_text(const SessionReport& report) {
   if (report.losses.empty()) text += "losses: none\n";
   for (const LossCount& loss : report.losses)
     text += fmt::format("lost: {} × {} at {}\n", loss.count, name_of(loss.cause), loss.place);
+  for (const CameraReport& camera : report.cameras) text += to_line(camera) + "\n";
   if (!report.source_failure.empty()) text += "source failed: " + report.source_failure + "\n";
   return text;
 }
@@ -56,10 +46,12 @@ std::string to_json(const SessionReport& report) {
   json += R"(},"losses":[)";
   for (std::size_t i = 0; i < report.losses.size(); ++i) {
     const LossCount& loss = report.losses[i];
-    json += fmt::format(R"({}{{"place":{},"cause":"{}","count":{}}})", i > 0 ? "," : "", json_text(loss.place),
+    json += fmt::format(R"({}{{"place":{},"cause":"{}","count":{}}})", i > 0 ? "," : "", json_string(loss.place),
                         name_of(loss.cause), loss.count);
   }
-  return json + R"(],"source_failure":)" + json_text(report.source_failure) + "}";
+  json += R"(],"cameras":[)";
+  for (std::size_t i = 0; i < report.cameras.size(); ++i) json += (i > 0 ? "," : "") + to_json(report.cameras[i]);
+  return json + R"(],"source_failure":)" + json_string(report.source_failure) + "}";
 }
 
 }  // namespace rptv

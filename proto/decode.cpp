@@ -87,6 +87,7 @@ bool read_status(const rapidptv::Status& from, StatusReport& to) {
   for (const auto& queue : from.queues())
     to.queues.push_back({.name = queue.name(), .waiting = queue.waiting(), .capacity = queue.capacity()});
   to.warnings.assign(from.warnings().begin(), from.warnings().end());
+  for (const auto& camera : from.cameras()) to.cameras.push_back(read_camera(camera));
   return true;
 }
 

@@ -102,6 +102,7 @@ void fill_status(rapidptv::Status& out, const StatusReport& report) {
     entry.set_capacity(queue.capacity);
   }
   for (const std::string& warning : report.warnings) out.add_warnings(warning);
+  for (const CameraReport& camera : report.cameras) write_camera(camera, *out.add_cameras());
 }
 
 }  // namespace

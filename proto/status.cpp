@@ -20,6 +20,7 @@ void StatusReport::clear() noexcept {
   losses.clear();
   queues.clear();
   warnings.clear();
+  cameras.clear();
 }
 
 }  // namespace rptv

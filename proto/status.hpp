@@ -10,6 +10,7 @@
 
 #include "core/latency.hpp"
 #include "core/losses.hpp"
+#include "proto/camera_report.hpp"
 
 namespace rptv {
 
@@ -54,6 +55,7 @@ struct StatusReport {
   std::vector<LossCount> losses;
   std::vector<QueueFill> queues;
   std::vector<std::string> warnings;  ///< one line each, with the next step
+  std::vector<CameraReport> cameras;  ///< those that are devices, in camera order
 
   /// Back to the defaults, keeping the vectors' memory.
   void clear() noexcept;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/json.hpp"
+
 namespace rptv {
 namespace {
 
@@ -25,16 +27,8 @@ std::string_view name_of_clock(ClockId clock) noexcept {
 double ms(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-6; }
 
 void put_text(Buffer& out, std::string_view text) {
-  out.push_back('"');
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      put(out, "\\{}", c);
-    else if (static_cast<unsigned char>(c) < 0x20)
-      put(out, "\\u{:04x}", static_cast<unsigned>(c));
-    else
-      out.push_back(c);
-  }
-  out.push_back('"');
+  const std::string quoted = json_string(text);
+  out.append(quoted.data(), quoted.data() + quoted.size());
 }
 
 template <class Value>
@@ -126,6 +120,8 @@ void put_content(Buffer& out, const StatusReport& status) {
   });
   put(out, R"(,"warnings":)");
   put_list(out, status.warnings, [&](const std::string& warning) { put_text(out, warning); });
+  put(out, R"(,"cameras":)");
+  put_list(out, status.cameras, [&](const CameraReport& camera) { put(out, "{}", to_json(camera)); });
 }
 
 void put_content(Buffer& out, const RigTexts& rig) {
@@ -175,6 +171,7 @@ std::string status_line(const StatusReport& status) {
   for (const LossCount& loss : status.losses)
     if (loss.count != 0) put(out, "  lost {} {} ({})", loss.count, name_of(loss.cause), loss.place);
   for (const std::string& warning : status.warnings) put(out, "  warning: {}", warning);
+  for (const CameraReport& camera : status.cameras) put(out, "  {}", to_line(camera));
   return to_string(out);
 }
 

@@ -166,6 +166,11 @@ TEST(Encoder, gives_back_status) {
   report.losses = {{.place = "camera 1", .cause = LossCause::source_torn, .count = 3}};
   report.queues = {{.name = "publisher", .waiting = 1, .capacity = 8}};
   report.warnings = {"one \"warning\"\n"};
+  report.cameras.resize(2);
+  report.cameras[0].name = "left", report.cameras[0].state = "lost", report.cameras[0].problem = "\"gone\"";
+  report.cameras[0].sessions = 3, report.cameras[0].counters = {{"n_missing_packets", 4}, {"n_failures", 0}};
+  report.cameras[1].clock_mapped = true, report.cameras[1].clock_offset_ns = -5;
+  report.cameras[1].clock_drift_ppm = 1.5;
   Encoder encoder("s", 1, 1);
   encoder.status(StatusReport{});
   WireMessage message;
@@ -186,6 +191,14 @@ TEST(Encoder, gives_back_status) {
   ASSERT_EQ(got.queues.size(), 1U);
   EXPECT_EQ(got.queues[0].capacity, 8U);
   EXPECT_EQ(got.warnings, report.warnings);
+  ASSERT_EQ(got.cameras.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(to_json(got.cameras[i]), to_json(report.cameras[i]));
+  EXPECT_EQ(to_json(got.cameras[0]),
+            R"({"name":"left","state":"lost","device":"","link":"","problem":"\"gone\"","sessions":3,"delivered":0,)"
+            R"("counters":{"n_missing_packets":4,"n_failures":0},"clock":null})");
+  EXPECT_THAT(to_json(got.cameras[1]),
+              ::testing::HasSubstr(R"("clock":{"offset_ns":-5,"drift_ppm":1.5,"restarts":0})"));
+  EXPECT_EQ(to_line(got.cameras[0]), "camera left lost, 0 frames, opened 3 times, n_missing_packets 4; \"gone\"");
 }
 
 TEST(Encoder, gives_back_texts_longer_than_its_first_buffer) {
