@@ -50,8 +50,8 @@ struct AravisCamera::Life {
         name(n),
         camera(open_camera(n)),
         setup(set_up_camera(camera.get(), n, s)),
-        buffers(number, setup.shape, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32), s.thread_priority,
-                setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {
+        buffers(number, setup.shape, *setup.format, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32),
+                s.thread_priority, setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {
     status.device = setup.device;
   }
 

@@ -33,7 +33,8 @@ struct AravisSettings {
     list.choice("ownership", ownership, {"host", "camera"},
                 "host: the settings below are written to the camera; camera: it keeps what it has, or loads user_set");
     list.text("user_set", user_set, "ownership 'camera': the user set to load; empty: leave the camera as it is");
-    list.text("pixel_format", pixel_format, "Mono8, Mono10, Mono12 or Mono16");
+    list.text("pixel_format", pixel_format,
+              "Mono8, Mono10, Mono12, Mono16, Mono10p, Mono12p, Mono10Packed or Mono12Packed");
     list.numbers("region", region, 0, 0, 65536, "x, y, width, height in px; empty: as the camera has it");
     list.integer("binning", binning, 0, 16, "pixels joined in x and in y; 0: as the camera has it");
     list.number("exposure_us", exposure_us, 0, 1e8, "exposure time; 0: as the camera has it");

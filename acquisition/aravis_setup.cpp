@@ -118,8 +118,10 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
     if (format == nullptr) return;
     setup.format = find_pixel_format(format);
     if (setup.format == nullptr)
-      throw Error(ExitCode::configuration, "camera " + name + " has pixel format " + format +
-                                               "; set aravis.pixel_format to Mono8, Mono10, Mono12 or Mono16");
+      throw Error(ExitCode::configuration,
+                  "camera " + name + " has pixel format " + format +
+                      "; set aravis.pixel_format to Mono8, Mono10, Mono12, Mono16, Mono10p, Mono12p, "
+                      "Mono10Packed or Mono12Packed");
   });
   gint x = 0, y = 0, width = 0, height = 0;
   writer.write("region (reading)",
@@ -128,9 +130,12 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
                [&](ArvCamera* c, GError** error) { setup.payload_bytes = arv_camera_get_payload(c, error); });
   setup.shape = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
                  setup.format == nullptr ? 1U : setup.format->bytes_per_pixel};
-  if (setup.payload_bytes != setup.shape.bytes())
+  const std::size_t expected_bytes =
+      setup.format == nullptr ? 0
+                              : setup.format->payload_bytes(std::size_t{setup.shape.width_px} * setup.shape.height_px);
+  if (setup.payload_bytes != expected_bytes)
     throw Error(ExitCode::configuration, "camera " + name + " sends " + std::to_string(setup.payload_bytes) +
-                                             " bytes per image where " + std::to_string(setup.shape.bytes()) +
+                                             " bytes per image where " + std::to_string(expected_bytes) +
                                              " are expected; switch its chunk data and line padding off");
   const double rate_hz = arv_camera_get_frame_rate(camera, ignored.out());
   if (!ignored && settings.trigger == "off" && std::isfinite(rate_hz) && rate_hz > 0)

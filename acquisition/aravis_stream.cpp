@@ -10,9 +10,16 @@
 
 namespace rptv {
 
-AravisStream::AravisStream(std::uint32_t camera, ImageShape shape, std::size_t slots, std::size_t lent,
-                           std::int64_t priority, FrameCounter::Width width)
-    : camera_(camera), shape_(shape), lent_(lent), priority_(priority), slots_(slots), counter_(width) {}
+AravisStream::AravisStream(std::uint32_t camera, ImageShape shape, const PixelFormat& format, std::size_t slots,
+                           std::size_t lent, std::int64_t priority, FrameCounter::Width width)
+    : camera_(camera),
+      shape_(shape),
+      format_(format),
+      payload_bytes_(format.payload_bytes(std::size_t{shape.width_px} * shape.height_px)),
+      lent_(lent),
+      priority_(priority),
+      slots_(slots),
+      counter_(width) {}
 
 const char* AravisStream::status_name(std::size_t status) noexcept {
   static constexpr std::array<const char*, kStatuses> kNames{
@@ -34,10 +41,19 @@ void AravisStream::begin(ArvStream* stream, FrameSink& sink, std::uint64_t misse
   sink_ = &sink;
   stream_.store(stream);
   counter_.reopen(missed);
+  format_.unpack == nullptr ? lend_slots(stream) : lend_buffers(stream);
+}
+
+void AravisStream::lend_buffers(ArvStream* stream) {
+  while (buffers_.size() < lent_) buffers_.emplace_back(arv_buffer_new_allocate(payload_bytes_));
+  for (const BufferHandle& buffer : buffers_) arv_stream_push_buffer(stream, ARV_BUFFER(g_object_ref(buffer.get())));
+}
+
+void AravisStream::lend_slots(ArvStream* stream) {
   const auto holds = [](const Slot& slot) { return static_cast<bool>(slot.lease); };
   auto held = static_cast<std::size_t>(std::count_if(slots_.begin(), slots_.end(), holds));
   for (; held < lent_; ++held) {
-    FrameLease lease = sink.claim(camera_);
+    FrameLease lease = sink_->claim(camera_);
     if (!lease) break;
     hold(std::move(lease));
   }
@@ -50,6 +66,14 @@ void AravisStream::end() noexcept {
     slot.buffer.reset();  // it points into the pool
     slot.lease.reset();
   }
+  buffers_.clear();
+}
+
+FrameLease AravisStream::take_slot(const void* data) noexcept {
+  const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& s) {
+    return s.lease && static_cast<const void*>(s.lease.get()) == data;
+  });
+  return std::move(slot->lease);
 }
 
 void AravisStream::enter() noexcept {
@@ -64,7 +88,7 @@ void AravisStream::done() noexcept {
   const auto status = static_cast<std::size_t>(arv_buffer_get_status(buffer));
   std::size_t bytes = 0;
   const void* data = arv_buffer_get_data(buffer, &bytes);
-  const bool whole = status == ARV_BUFFER_STATUS_SUCCESS && bytes == shape_.bytes();
+  const bool whole = status == ARV_BUFFER_STATUS_SUCCESS && bytes == payload_bytes_;
   if (!whole) {
     unfit_[std::min(status, kStatuses - 1)].fetch_add(1, std::memory_order_relaxed);
     if (status != ARV_BUFFER_STATUS_ABORTED) sink_->lose(camera_, LossCause::source_torn, 1);
@@ -79,18 +103,22 @@ void AravisStream::done() noexcept {
     arv_stream_push_buffer(stream, buffer);
     return;
   }
-  const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& s) {
-    return s.lease && static_cast<const void*>(s.lease.get()) == data;
-  });
   frame.info.camera = camera_;
   frame.info.clock = ClockId::device;
   frame.info.exposure_end_ns = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer));
   frame.info.exposure_end_host_ns = now_ns;
   frame.info.arrival_ns = now_ns;
   frame.shape = shape_;
-  frame.lease = std::move(slot->lease);
-  g_object_unref(buffer);  // slot->buffer keeps it for the time when its slot comes back
-  arv_stream_push_buffer(stream, ARV_BUFFER(g_object_ref(hold(std::move(other))->buffer.get())));
+  if (format_.unpack != nullptr) {
+    format_.unpack(static_cast<const std::byte*>(data), reinterpret_cast<std::uint16_t*>(other.get()),
+                   std::size_t{shape_.width_px} * shape_.height_px, best_instruction_set());
+    frame.lease = std::move(other);
+    arv_stream_push_buffer(stream, buffer);
+  } else {
+    frame.lease = take_slot(data);
+    g_object_unref(buffer);  // its Slot keeps it for the time when the memory comes back
+    arv_stream_push_buffer(stream, ARV_BUFFER(g_object_ref(hold(std::move(other))->buffer.get())));
+  }
   delivered_.fetch_add(1, std::memory_order_relaxed);
   sink_->deliver(std::move(frame));
 }

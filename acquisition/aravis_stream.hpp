@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Buffers of the driver and slots of the sink: each buffer's memory is a leased slot; for the aravis_*.cpp files only.
+// Buffers of the driver and slots of the sink: the buffer's memory is a leased slot; for the aravis_*.cpp files only.
 #pragma once
 
 #include <array>
@@ -10,18 +10,20 @@
 
 #include "acquisition/aravis_handle.hpp"
 #include "acquisition/frame_counter.hpp"
+#include "acquisition/pixel_format.hpp"
 #include "acquisition/source.hpp"
 
 namespace rptv {
 
 /// Outlives the streams of all sessions of a camera. A finished buffer's slot is delivered only when another slot could
 /// be claimed to stand in for it; else the image is given up (the sink counts `pool_empty`) and its buffer used again.
-/// So the driver always has the same number of buffers.
+/// So the driver always has the same number of buffers. Packed pixels come in buffers of the driver's own, are unpacked
+/// into a slot by the receiving thread, and their buffer goes back at once.
 class AravisStream {
  public:
   /// `slots`: of the sink's pool for this camera; `lent`: how many of them lie with the driver.
-  AravisStream(std::uint32_t camera, ImageShape shape, std::size_t slots, std::size_t lent, std::int64_t priority,
-               FrameCounter::Width width);
+  AravisStream(std::uint32_t camera, ImageShape shape, const PixelFormat& format, std::size_t slots, std::size_t lent,
+               std::int64_t priority, FrameCounter::Width width);
 
   /// Claims what is not yet lent, gives all of it to `stream`. Before the acquisition starts. `missed`: frames that the
   /// camera probably took since the last session.
@@ -46,12 +48,18 @@ class AravisStream {
     FrameLease lease;  ///< empty while downstream has it
   };
   Slot* hold(FrameLease lease);
+  FrameLease take_slot(const void* data) noexcept;
+  void lend_slots(ArvStream* stream);
+  void lend_buffers(ArvStream* stream);
 
   const std::uint32_t camera_;
   const ImageShape shape_;
+  const PixelFormat& format_;
+  const std::size_t payload_bytes_;
   const std::size_t lent_;
   const std::int64_t priority_;
-  std::vector<Slot> slots_;  ///< by slot number of the pool
+  std::vector<Slot> slots_;            ///< by slot number of the pool
+  std::vector<BufferHandle> buffers_;  ///< of packed pixels
   FrameCounter counter_;
   FrameSink* sink_ = nullptr;
   std::atomic<ArvStream*> stream_{nullptr};

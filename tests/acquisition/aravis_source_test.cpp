@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "acquisition/intake.hpp"
+#include "acquisition/pixel_format.hpp"
 #include "core/error.hpp"
 #include "tests/acquisition/gvsp_device.hpp"
 
@@ -34,7 +35,7 @@ struct Received {
 class Rig {
  public:
   explicit Rig(const AravisSettings& settings)
-      : source_(settings, 16), intake_(source_.cameras(), {Bounded{8}, 16, 4}) {
+      : format_(settings.pixel_format), source_(settings, 16), intake_(source_.cameras(), {Bounded{8}, 16, 4}) {
     source_.start(intake_);
   }
   ~Rig() {
@@ -56,7 +57,8 @@ class Rig {
 
  private:
   void look(const Frame& frame) {
-    const std::uint64_t number = sequence_of(frame.view().as_u8(), frame.shape.bytes());
+    const std::vector<std::uint8_t> sent = as_sent(frame);
+    const std::uint64_t number = sequence_of(sent.data(), sent.size());
     received_.wrong += number <= received_.newest || frame.info.index <= received_.newest_index;
     if (received_.images++ == 0) {
       received_.first = number;
@@ -65,6 +67,29 @@ class Rig {
     received_.newest = number;
     received_.newest_index = frame.info.index;
   }
+  /// The payload that makes this image.
+  std::vector<std::uint8_t> as_sent(const Frame& frame) const {
+    const std::uint8_t* bytes = frame.view().as_u8();
+    if (find_pixel_format(format_)->unpack == nullptr) return {bytes, bytes + frame.shape.bytes()};
+    const std::uint16_t* pixels = frame.view().as_u16();
+    const std::size_t count = frame.shape.bytes() / 2;
+    std::vector<std::uint8_t> sent;
+    if (format_ == "Mono12Packed") {
+      for (std::size_t i = 0; i < count; i += 2)
+        for (const int byte : {pixels[i] >> 4, (pixels[i] & 15) | (pixels[i + 1] & 15) << 4, pixels[i + 1] >> 4})
+          sent.push_back(static_cast<std::uint8_t>(byte));
+      return sent;
+    }
+    std::uint32_t bits = 0, held = 0;  // a stream, lowest bit first
+    for (std::size_t i = 0; i < count; ++i) {
+      bits |= std::uint32_t{pixels[i]} << held;
+      for (held += find_pixel_format(format_)->payload_bits; held >= 8; held -= 8, bits >>= 8)
+        sent.push_back(static_cast<std::uint8_t>(bits));
+    }
+    return sent;
+  }
+
+  const std::string format_;
   AravisSource source_;
   Intake intake_;
   Received received_;
@@ -83,7 +108,8 @@ TEST_P(AravisSourceFormats, gives_every_byte_that_the_camera_sent) {
   EXPECT_EQ(rig.received().images + rig.lost(), rig.received().newest - rig.received().first + 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Mono, AravisSourceFormats, testing::Values("Mono8", "Mono16"));
+INSTANTIATE_TEST_SUITE_P(Mono, AravisSourceFormats,
+                         testing::Values("Mono8", "Mono16", "Mono10p", "Mono12p", "Mono12Packed"));
 
 TEST(AravisSource, loses_no_image_uncounted_when_packets_are_lost_doubled_and_swapped) {
   for (const bool answers : {true, false}) {

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "core/clock.hpp"
+#include "tests/acquisition/gvsp_registers.hpp"
 
 namespace rptv {
 namespace {
@@ -63,7 +64,7 @@ std::uint64_t sequence_of(const std::uint8_t* image, std::size_t bytes) {
 
 GvspDevice::GvspDevice(std::string address, GvspFaults faults, std::uint64_t last_sequence)
     : faults_(faults),
-      registers_(arv_fake_camera_new("SIM1")),
+      registers_(make_gvsp_registers()),
       control_(bound_socket(address, kPort)),
       stream_(bound_socket(address, 0)),
       random_(faults.seed),

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Registers and description of the test camera: Aravis' fake camera, with packed pixel formats added.
+#pragma once
+
+#include <arv.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace rptv {
+
+/// The caller owns it. Throws std::runtime_error when /tmp cannot be written.
+inline ArvFakeCamera* make_gvsp_registers() {
+  ArvFakeCamera* plain = arv_fake_camera_new("SIM0");
+  gsize bytes = 0;
+  const char* text = arv_fake_camera_get_genicam_xml(plain, &bytes);
+  std::string xml(text, bytes);
+  g_object_unref(plain);
+  std::string entries;
+  for (const auto& [name, code] :
+       {std::pair{"Mono10p", 0x010A0046}, {"Mono12p", 0x010C0047}, {"Mono12Packed", 0x010C0006}})
+    entries += std::string("<EnumEntry Name=\"") + name + "\" NameSpace=\"Standard\"><Value>" + std::to_string(code) +
+               "</Value></EnumEntry>\n";
+  xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
+  std::string path = "/tmp/gvsp-device-XXXXXX";
+  const int descriptor = mkstemp(path.data());
+  const bool written = descriptor >= 0 && write(descriptor, xml.data(), xml.size()) == static_cast<ssize_t>(xml.size());
+  close(descriptor);
+  ArvFakeCamera* camera = written ? arv_fake_camera_new_full("SIM1", path.c_str()) : nullptr;
+  unlink(path.c_str());
+  if (camera == nullptr) throw std::runtime_error("the test camera cannot write " + path);
+  return camera;
+}
+
+}  // namespace rptv
