@@ -98,6 +98,8 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
   Writer writer(camera, name);
   AravisSetup setup;
   ArvFailure ignored;
+  if (arv_camera_is_gv_device(camera) && !arv_gv_device_is_controller(ARV_GV_DEVICE(arv_camera_get_device(camera))))
+    throw Error(ExitCode::unavailable, "camera " + name + " is controlled by another program; close the other program");
   setup.device = text_of(arv_camera_get_vendor_name(camera, ignored.out())) + " " +
                  text_of(arv_camera_get_model_name(camera, ignored.out())) + " " +
                  text_of(arv_camera_get_device_serial_number(camera, ignored.out())) + " at " + name;

@@ -7,10 +7,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <stdexcept>
 
-#include "core/clock.hpp"
 #include "tests/acquisition/gvsp_registers.hpp"
 
 namespace rptv {
@@ -97,6 +97,7 @@ std::uint32_t GvspDevice::reg(std::uint32_t address) {
 void GvspDevice::run() {
   std::int64_t due_ns = host_now_ns();
   while (!stop_) {
+    while (host_now_ns() < hangs_until_ns_ && !stop_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const bool acquires = reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0;
     const std::int64_t now_ns = host_now_ns();
     if (!acquires) due_ns = now_ns;

@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/clock.hpp"
+
 namespace rptv {
 
 struct GvspFaults {
@@ -35,6 +37,8 @@ class GvspDevice {
   ~GvspDevice();
   /// Falls silent, as by a loss of power. Idempotent.
   void stop();
+  /// Neither answers nor sends for so long, then goes on where it was.
+  void hang(std::int64_t ms) { hangs_until_ns_ = host_now_ns() + ms * 1'000'000; }
   std::uint64_t sent() const { return sequence_.load(); }  ///< number of the newest image
   std::uint64_t resent() const { return resent_.load(); }
 
@@ -65,6 +69,7 @@ class GvspDevice {
   std::uint16_t next_id_;
   std::atomic<std::uint64_t> sequence_, resent_{0};
   std::atomic<bool> stop_{false};
+  std::atomic<std::int64_t> hangs_until_ns_{0};
   std::thread thread_;
 };
 
