@@ -44,7 +44,7 @@ void TracksWriter::write(const TrackRow& row, const TrackEstimate* estimate) noe
     const TrackEstimate& e = estimate != nullptr ? *estimate : kNothing;
     csv_.number(e.ax_mm_s2).number(e.ay_mm_s2).number(e.az_mm_s2);
     for (const Covariance* c : {&e.position_mm2, &e.velocity_mm2_s2, &e.acceleration_mm2_s4})
-      for (const std::size_t i : {0, 3, 5, 1, 2, 4}) csv_.number((*c)[i]);  // variances first, as in points
+      for (const std::size_t i : {0U, 3U, 5U, 1U, 2U, 4U}) csv_.number((*c)[i]);  // variances first, as in points
   }
   csv_.end_row();
 }

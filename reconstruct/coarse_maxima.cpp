@@ -84,7 +84,11 @@ RPTV_INLINE void smooth_plane(const VoxelGrid& grid, const std::uint16_t* counts
 RPTV_LOOPS(portable, )
 #if defined(__x86_64__)
 RPTV_LOOPS(avx2, [[gnu::target("avx2")]])
+#if defined(__clang__)  // knows no preferred width here
+RPTV_LOOPS(avx512, [[gnu::target("avx512f,avx512bw,avx512vl")]])
+#else
 RPTV_LOOPS(avx512, [[gnu::target("avx512f,avx512bw,avx512vl,prefer-vector-width=512")]])
+#endif
 #endif
 
 const CoarseMaximaLoops& loops_for(InstructionSet set) noexcept {
