@@ -112,7 +112,8 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
     stream = std::move(made);
     status.link = std::string(setup.format->name) + " " + std::to_string(setup.shape.width_px) + " x " +
                   std::to_string(setup.shape.height_px) + " px, packets of " + std::to_string(setup.packet_size) +
-                  " bytes" + (buffers.priority_refused() ? ", real-time priority refused" : "");
+                  " bytes" + (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
+                  (buffers.priority_refused() ? ", real-time priority refused" : "");
   }
   buffers.begin(stream.get(), sink, static_cast<std::uint64_t>(missed));
   arv_camera_start_acquisition(camera.get(), failure.out());

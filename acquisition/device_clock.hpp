@@ -7,15 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace rptv {
+#include "core/clock.hpp"
 
-/// The mapping in force: host time = device time + offset, the offset growing by `drift_ppm` µs per second.
-struct ClockMapping {
-  bool valid = false;          ///< at least one frame was mapped
-  std::int64_t offset_ns = 0;  ///< at the last frame; bent by at most the least delay between exposure and arrival
-  double drift_ppm = 0;        ///< positive: the device's clock runs slow; 0 until two seconds were seen
-  std::uint64_t restarts = 0;  ///< jumps of the device's clock after which the fit began anew
-};
+namespace rptv {
 
 /// Arrival is exposure end plus a delay that is positive, mostly small and sometimes large. So the pairs (device,
 /// arrival − device) lie above the line that is sought, and the lower convex hull of the last 64 quarter seconds' least

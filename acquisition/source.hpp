@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/device_status.hpp"
+#include "core/device_status.hpp"
 #include "core/frame.hpp"
 #include "core/losses.hpp"
 

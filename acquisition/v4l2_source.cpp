@@ -104,7 +104,7 @@ class V4l2Source::Camera {
 
   void deliver(FrameSink& sink, const V4l2Image& image) noexcept {
     add(dequeued_);
-    follow(image.sequence);
+    follow(image);
     Frame frame;
     frame.shape = shape_;
     frame.info.index = index_;
@@ -124,16 +124,20 @@ class V4l2Source::Camera {
     sink.deliver(std::move(frame));
   }
 
-  /// Driver's 32 bits to our 64. A step back of less than half the range is a driver that counts anew.
-  void follow(std::uint32_t sequence) noexcept {
-    const std::uint32_t step = sequence - sequence_;
-    sequence_ = sequence;
+  /// Driver's 32 bits to our 64. A step back of less than half the range is a driver that counts anew. What a device
+  /// missed while it was gone is estimated from its period, so that it is a gap.
+  void follow(const V4l2Image& image) noexcept {
+    const std::uint32_t step = image.sequence - sequence_;
+    const std::int64_t away_ns = image.time_ns - last_time_ns_;
+    sequence_ = image.sequence;
+    last_time_ns_ = image.time_ns;
     if (!started_) {
       started_ = true;
-      index_ = sequence;
+      index_ = image.sequence;
     } else if (resumed_ || step > UINT32_MAX / 2) {
       if (!resumed_) add(backwards_);
-      ++index_;
+      const bool timed = resumed_ && period_ns_ > 0 && image.clock == ClockId::host_monotonic && away_ns > period_ns_;
+      index_ += timed ? static_cast<std::uint64_t>((away_ns + period_ns_ / 2) / period_ns_) : 1;
     } else {
       if (step > 1) add(gaps_, step - 1);
       index_ += step;
@@ -169,6 +173,7 @@ class V4l2Source::Camera {
   std::int64_t period_ns_ = 0;
   std::uint64_t index_ = 0;
   std::uint32_t sequence_ = 0;
+  std::int64_t last_time_ns_ = 0;
   bool started_ = false;
   bool resumed_ = false;
   Counter sessions_{0}, dequeued_{0}, torn_{0}, no_slot_{0}, gaps_{0}, backwards_{0}, lost_{0};

@@ -14,8 +14,8 @@ namespace rptv {
 
 /// One thread per camera waits for the driver, unpacks into the sink's slot and delivers. Indices follow the driver's
 /// sequence numbers, so its drops are gaps. A device that is lost is opened again, a few times a second, until it is
-/// back with the same shape; indices go on with larger numbers, and what was missed meanwhile is in no count. Times
-/// are the driver's, of CLOCK_MONOTONIC for nearly every driver. Nothing allocates, locks or throws per frame.
+/// back with the same shape; indices go on, further by what it will have missed at its period, so that it is a gap.
+/// Times are the driver's, of CLOCK_MONOTONIC for nearly every driver. Nothing allocates, locks or throws per frame.
 class V4l2Source final : public Source {
  public:
   /// Opens and sets up every device. Throws Error(configuration, unavailable, permission). `system` must outlive this

@@ -22,4 +22,13 @@ inline std::int64_t host_now_ns() noexcept {
       .count();
 }
 
+/// From a device's clock to CLOCK_MONOTONIC: host time = device time + offset, the offset growing by `drift_ppm` µs per
+/// second.
+struct ClockMapping {
+  bool valid = false;          ///< at least one frame was mapped
+  std::int64_t offset_ns = 0;  ///< at the last frame; bent by at most the least delay between exposure and arrival
+  double drift_ppm = 0;        ///< positive: the device's clock runs slow; 0 until two seconds were seen
+  std::uint64_t restarts = 0;  ///< jumps of the device's clock after which the fit began anew
+};
+
 }  // namespace rptv

@@ -13,21 +13,21 @@
 namespace rptv {
 namespace {
 
-template <class Number>
-bool parse(std::string_view text, Number& value) {
+std::string_view trim(std::string_view text) noexcept {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+template <class Number>
+bool parse(std::string_view text, Number& value) {
+  text = trim(text);
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && stop == text.data() + text.size();
 }
 
 /// Elements between commas; quotes round one are optional and keep a comma in it.
 bool parse_texts(std::string_view text, std::vector<std::string>& values) {
-  const auto trim = [](std::string_view part) {
-    while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
-    while (!part.empty() && part.back() == ' ') part.remove_suffix(1);
-    return part;
-  };
   if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
   text = trim(text);
   if (text.empty()) return true;

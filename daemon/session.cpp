@@ -101,27 +101,17 @@ void Session::fill_status(StatusReport& status) {
 }
 
 std::vector<CameraReport> Session::camera_reports() const {
-  constexpr std::array<std::string_view, 4> kStates{"connecting", "streaming", "lost", "stopped"};
   std::vector<CameraReport> reports;
-  const std::vector<DeviceStatus> devices = pipeline_->source().device_status();
-  for (std::uint32_t c = 0; c < devices.size(); ++c) {
-    const DeviceStatus& device = devices[c];
-    const ClockMapping clock = pipeline_->clock_mapping(c);
-    CameraReport& report = reports.emplace_back();
-    report.name = camera_names_[c], report.state = kStates[static_cast<std::size_t>(device.state)];
-    report.device = device.device, report.link = device.link, report.problem = device.problem;
-    report.sessions = device.sessions, report.delivered = pipeline_->delivered(c);
-    for (const DeviceCounter& counter : device.counters) report.counters.push_back({counter.name, counter.count});
-    report.clock_mapped = clock.valid, report.clock_offset_ns = clock.offset_ns;
-    report.clock_drift_ppm = clock.drift_ppm, report.clock_restarts = clock.restarts;
+  for (DeviceStatus& device : pipeline_->source().device_status()) {
+    const auto c = static_cast<std::uint32_t>(reports.size());
+    reports.push_back({camera_names_[c], std::move(device), pipeline_->delivered(c), pipeline_->clock_mapping(c)});
   }
   return reports;
 }
 
 void Session::fill_silence(StatusReport& status, std::int64_t now_ns) {
-  const std::vector<DeviceStatus> devices = pipeline_->source().device_status();
   for (std::uint32_t c = 0; c < camera_names_.size(); ++c) {
-    const DeviceStatus* device = c < devices.size() ? &devices[c] : nullptr;
+    const DeviceStatus* device = c < status.cameras.size() ? &status.cameras[c].device : nullptr;
     const std::string line = alarm_->look(c, now_ns, pipeline_->delivered(c), device);
     if (!line.empty()) spdlog::warn("{}", line);
     if (!alarm_->warning(c).empty()) status.warnings.push_back(alarm_->warning(c));

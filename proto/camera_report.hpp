@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
+
+#include "core/clock.hpp"
+#include "core/device_status.hpp"
 
 namespace rapidptv {
 class Camera;
@@ -12,29 +14,16 @@ class Camera;
 
 namespace rptv {
 
-/// One of the driver's counters since start, in the driver's own name.
-struct NamedCount {
-  std::string name;
-  std::uint64_t count = 0;
-};
-
 /// Counters run since the daemon's start.
 struct CameraReport {
-  std::string name;    ///< as in losses
-  std::string state;   ///< "connecting", "streaming", "lost", "stopped"; empty for a recording
-  std::string device;  ///< vendor, model, serial and address, as far as they are known
-  std::string link;    ///< what was negotiated: pixel format, packet size, …
-  std::string problem;
-  std::uint64_t sessions = 0;   ///< times that it was opened and started
+  std::string name;  ///< as in losses
+  DeviceStatus device;
   std::uint64_t delivered = 0;  ///< frames that it gave, whatever became of them
-  std::vector<NamedCount> counters;
-  bool clock_mapped = false;         ///< its clock is mapped to CLOCK_MONOTONIC by the next two
-  std::int64_t clock_offset_ns = 0;  ///< host − device, at its last frame
-  double clock_drift_ppm = 0;        ///< by which the offset grows
-  std::uint64_t clock_restarts = 0;  ///< jumps of the device's clock
+  ClockMapping clock;
 };
 
 void write_camera(const CameraReport& report, rapidptv::Camera& message);
+/// A state that this reader does not know reads as `stopped`: a newer daemon may have more of them.
 CameraReport read_camera(const rapidptv::Camera& message);
 
 /// A JSON object.

@@ -59,6 +59,15 @@ TEST(AravisSource, goes_on_when_the_camera_was_restarted) {
   EXPECT_EQ(rig.received().wrong, 0U) << "no image comes twice, and indices grow";
 }
 
+TEST(AravisSource, says_in_its_link_which_trigger_it_waits_for) {
+  GvspDevice device("127.0.20.7", {});
+  AravisSettings settings = settings_for("127.0.20.7");
+  settings.trigger = "software";
+  Rig rig(settings);
+  ASSERT_TRUE(rig.take_until([&] { return rig.status().sessions == 1; })) << rig.status().problem;
+  EXPECT_NE(rig.status().link.find(", trigger software"), std::string::npos) << rig.status().link;
+}
+
 TEST(AravisSource, outlasts_a_camera_that_hangs_for_two_seconds) {
   GvspDevice device("127.0.20.4", {});
   Rig rig(settings_for("127.0.20.4"));

@@ -37,9 +37,9 @@ TEST(CameraSession, publishes_what_a_live_camera_sees_and_how_the_camera_fares) 
   ASSERT_TRUE(told());
   const CameraReport& camera = listener.status().cameras[0];
   EXPECT_EQ(camera.name, "127.0.0.9");
-  EXPECT_EQ(camera.state, "streaming");
-  EXPECT_EQ(camera.sessions, 1U);
-  EXPECT_TRUE(camera.clock_mapped);
+  EXPECT_EQ(camera.device.state, DeviceState::streaming);
+  EXPECT_EQ(camera.device.sessions, 1U);
+  EXPECT_TRUE(camera.clock.valid);
   const SessionReport report = session.report();
   ASSERT_EQ(report.cameras.size(), 1U);
   // Every frame that the camera gave was linked, or is counted as lost.

@@ -57,31 +57,25 @@ std::int64_t play(DeviceClock& clock, Device& device, std::int64_t from_ns, std:
   return error_ns;
 }
 
-TEST(DeviceClock, begins_anew_when_the_device_starts_at_zero_again) {
+/// Five seconds, then the device's clock reads `then_ns` at host time 0, and frames come again from `from_ns` on.
+void expect_one_new_fit(Device device, std::int64_t then_ns, std::int64_t from_ns) {
   DeviceClock clock;
-  Device device{50, 1'000'000'000'000};
   EXPECT_LT(std::abs(play(clock, device, 0, 5'000'000'000)), 10'000);
-  device.first_device_ns = -8'000'000'000;
-  EXPECT_LT(std::abs(play(clock, device, 8'000'000'000, 13'000'000'000)), 10'000);
+  device.first_device_ns = then_ns;
+  EXPECT_LT(std::abs(play(clock, device, from_ns, from_ns + 5'000'000'000)), 10'000);
   EXPECT_EQ(clock.mapping().restarts, 1U);
+}
+
+TEST(DeviceClock, begins_anew_when_the_device_starts_at_zero_again) {
+  expect_one_new_fit({50, 1'000'000'000'000}, -8'000'000'000, 8'000'000'000);
 }
 
 TEST(DeviceClock, begins_anew_when_the_device_jumps_ahead) {
-  DeviceClock clock;
-  Device device{-80, 0};
-  play(clock, device, 0, 5'000'000'000);
-  device.first_device_ns = 60'000'000'000;
-  EXPECT_LT(std::abs(play(clock, device, 5'000'000'000, 10'000'000'000)), 10'000);
-  EXPECT_EQ(clock.mapping().restarts, 1U);
+  expect_one_new_fit({-80, 0}, 60'000'000'000, 5'000'000'000);
 }
 
 TEST(DeviceClock, begins_anew_when_the_device_has_stood_still) {
-  DeviceClock clock;
-  Device device{0, 0};
-  play(clock, device, 0, 5'000'000'000);
-  device.first_device_ns = -3'000'000'000;  // it goes on where it stopped, three seconds later
-  EXPECT_LT(std::abs(play(clock, device, 8'000'000'000, 12'000'000'000)), 10'000);
-  EXPECT_EQ(clock.mapping().restarts, 1U);
+  expect_one_new_fit({0, 0}, -3'000'000'000, 8'000'000'000);  // it goes on where it stopped, three seconds later
 }
 
 TEST(DeviceClock, takes_a_lone_late_frame_for_what_it_is) {

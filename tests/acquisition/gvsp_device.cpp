@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <stdexcept>
 
@@ -76,8 +75,21 @@ GvspDevice::GvspDevice(std::string address, GvspFaults faults, std::uint64_t las
   thread_ = std::thread([this] { run(); });
 }
 
+void GvspDevice::hang(std::int64_t ms) { hangs_until_ns_ = host_now_ns() + ms * 1'000'000; }
+
+// Ends with the time, or when the device is stopped.
+void GvspDevice::hang_if_told() {
+  while (!stop_) {
+    const std::uint32_t seen = stopped_.prepare();
+    const std::int64_t left_ns = hangs_until_ns_ - host_now_ns();
+    if (left_ns <= 0) return;
+    stopped_.wait(seen, left_ns);
+  }
+}
+
 void GvspDevice::stop() {
   stop_ = true;
+  stopped_.notify();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -97,7 +109,7 @@ std::uint32_t GvspDevice::reg(std::uint32_t address) {
 void GvspDevice::run() {
   std::int64_t due_ns = host_now_ns();
   while (!stop_) {
-    while (host_now_ns() < hangs_until_ns_ && !stop_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    hang_if_told();
     const bool acquires = reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0;
     const std::int64_t now_ns = host_now_ns();
     if (!acquires) due_ns = now_ns;

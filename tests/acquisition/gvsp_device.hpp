@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/clock.hpp"
+#include "core/wake.hpp"
 
 namespace rptv {
 
@@ -38,7 +39,7 @@ class GvspDevice {
   /// Falls silent, as by a loss of power. Idempotent.
   void stop();
   /// Neither answers nor sends for so long, then goes on where it was.
-  void hang(std::int64_t ms) { hangs_until_ns_ = host_now_ns() + ms * 1'000'000; }
+  void hang(std::int64_t ms);
   std::uint64_t sent() const { return sequence_.load(); }  ///< number of the newest image
   std::uint64_t resent() const { return resent_.load(); }
 
@@ -51,6 +52,7 @@ class GvspDevice {
     std::vector<std::uint8_t> bytes;
   };
   void run();
+  void hang_if_told();
   void answer();
   bool obey(std::uint16_t command, const std::uint8_t* request, std::size_t size, std::uint8_t* reply,
             std::size_t& length);
@@ -69,6 +71,7 @@ class GvspDevice {
   std::uint16_t next_id_;
   std::atomic<std::uint64_t> sequence_, resent_{0};
   std::atomic<bool> stop_{false};
+  Wake stopped_;
   std::atomic<std::int64_t> hangs_until_ns_{0};
   std::thread thread_;
 };

