@@ -56,13 +56,13 @@ class ExplainAway {
   void claim(const Rays& rays, const FittedParticle& particle) noexcept;
   bool known(const FittedParticle& particle) const noexcept;
   void assign(const Rays& rays) noexcept;
-  void fit_owned(const Rays& rays) noexcept;
+  void fit_owned(const Rays& rays, FitFor purpose) noexcept;
   void drop_weak() noexcept;
 
-  const RayWindow& window_;
   const ExplainOptions options_;
-  std::vector<ParticleFit> fits_;  // per thread
-  std::vector<std::uint8_t> taken_;
+  NearRays search_;
+  std::vector<ParticleFit> fits_;     // per thread
+  std::vector<std::uint8_t> taken_;   // per ray; all rays of a pixel together
   std::vector<Tentative> tentative_;  // candidates by support: a heap
   std::vector<FittedParticle> particles_;
   std::vector<std::int32_t> owner_;  // particle of each pixel; -1: none

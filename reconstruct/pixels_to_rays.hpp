@@ -24,7 +24,7 @@ class PixelsToRays {
   double slope_half_range() const noexcept { return slope_half_range_; }
 
  private:
-  Ray ray_of(std::uint32_t pixel, std::uint32_t lenslet) const noexcept;
+  Ray ray_of(std::uint32_t column, std::uint32_t row, std::uint32_t lenslet) const noexcept;
 
   const LensletLattice& lattice_;
   const std::size_t hypotheses_;

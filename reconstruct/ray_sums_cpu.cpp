@@ -9,7 +9,8 @@ namespace rptv {
 
 namespace {
 
-constexpr std::size_t kLanes = RayColumns::kPadding;
+constexpr std::size_t kLanes = 8;
+static_assert(kLanes <= RayColumns::kPadding);
 using Lanes = std::array<float, kLanes>;
 
 // In double: a frame's sums must not depend on how many rays there are.
