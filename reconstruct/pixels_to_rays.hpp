@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibration/lenslet_lattice.hpp"
+#include "core/huge_pages.hpp"
 #include "reconstruct/rays.hpp"
 
 namespace rptv {
@@ -31,7 +32,7 @@ class PixelsToRays {
   const std::uint32_t width_;
   const float pixel_mm_, axis_x_px_, axis_y_px_, per_focal_length_;
   double slope_half_range_ = 0;
-  std::vector<std::uint32_t> lenslets_;  // [pixel][hypothesis]
+  std::vector<std::uint32_t, HugePages<std::uint32_t>> lenslets_;  // [pixel][hypothesis]
 };
 
 }  // namespace rptv
