@@ -19,10 +19,12 @@ ExplainAway::ExplainAway(const RayWindow& window, const ExplainOptions& options)
       search_(window, options.max_rays),
       fits_(options.threads, ParticleFit(window, options.fit, options.max_rays)),
       taken_(options.max_rays),
+      near_(2 * options.max_rays),
       owner_(options.max_rays),
       owner_distance_(options.max_rays) {
   tentative_.reserve(options.max_candidates);
   particles_.reserve(options.max_particles);
+  near_end_.reserve(options.max_particles);
 }
 
 void ExplainAway::begin(const Rays& rays) noexcept {
@@ -105,14 +107,21 @@ bool ExplainAway::known(const FittedParticle& particle) const noexcept {
   });
 }
 
+// Keeps the rays that it finds near each particle, as far as there is room, for fit_owned().
 void ExplainAway::assign(const Rays& rays) noexcept {
   std::fill_n(owner_.begin(), rays.pixels, -1);
+  near_end_.clear();
   std::fill_n(owner_distance_.begin(), rays.pixels, 1.0F);
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     const auto& at = particles_[k].at;
     const double half_width_mm = options_.fit.gate.half_width_at(at.z);
     const auto per_half_width = static_cast<float>(1 / half_width_mm);
     const auto near = search_.find(rays, options_.fit.gate, at, half_width_mm);
+    const std::size_t begin = near_end_.empty() ? 0 : near_end_.back();
+    if (near_end_.size() == k && near.size() <= near_.size() - begin) {
+      std::copy(near.begin(), near.end(), near_.begin() + static_cast<std::ptrdiff_t>(begin));
+      near_end_.push_back(begin + near.size());
+    }
     for (std::size_t i = 0; i < near.size(); ++i) {
       const std::uint32_t pixel = rays.pixel[near[i]];
       const float distance = search_.distances_mm()[i] * per_half_width;
@@ -127,8 +136,11 @@ void ExplainAway::fit_owned(const Rays& rays, FitFor purpose) noexcept {
   const std::size_t blocks = (particles_.size() + kFitBlock - 1) / kFitBlock;
   parallel_for(blocks, options_.threads, [&](std::size_t block, std::size_t thread) {
     const std::size_t last = std::min((block + 1) * kFitBlock, particles_.size());
-    for (std::size_t k = block * kFitBlock; k < last; ++k)
-      particles_[k] = fits_[thread].fit_owned(rays, owner_, static_cast<std::int32_t>(k), particles_[k].at, purpose);
+    for (std::size_t k = block * kFitBlock; k < last; ++k) {
+      const ImagePoint at = particles_[k].at;
+      const auto near = k < near_end_.size() ? near_of(k) : fits_[thread].find_near(rays, at);
+      particles_[k] = fits_[thread].fit_owned(rays, near, owner_, static_cast<std::int32_t>(k), at, purpose);
+    }
   });
 }
 

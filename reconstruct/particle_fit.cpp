@@ -20,6 +20,7 @@ FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> 
   const double gather_mm =
       options_.gate.half_width_at(start.z) + 2 * options_.start_margin_mm + slope_half_range_ * options_.start_depth_mm;
   search_.gather(rays, taken, options_.gate, start, gather_mm, near_);
+  if (static_cast<double>(near_.size) < options_.min_support) return {};
   ImagePoint at = start;
   for (int step = 0; step < kMostSteps; ++step) {
     const double margin = step < kWideSteps ? options_.start_margin_mm : 0;
@@ -37,11 +38,11 @@ FittedParticle ParticleFit::fit(const Rays& rays, std::span<const std::uint8_t> 
   return finish(at, purpose);
 }
 
-FittedParticle ParticleFit::fit_owned(const Rays& rays, std::span<const std::int32_t> owner, std::int32_t self,
-                                      const ImagePoint& start, FitFor purpose) noexcept {
+FittedParticle ParticleFit::fit_owned(const Rays& rays, std::span<const std::uint32_t> near,
+                                      std::span<const std::int32_t> owner, std::int32_t self, const ImagePoint& start,
+                                      FitFor purpose) noexcept {
   near_.size = 0;
-  for (const std::uint32_t i : search_.find(rays, options_.gate, start, options_.gate.half_width_at(start.z)))
-    near_.push_if(rays.ray[i], owner[rays.pixel[i]] == self);
+  for (const std::uint32_t i : near) near_.push_if(rays.ray[i], owner[rays.pixel[i]] == self);
   return finish(start, purpose);
 }
 
@@ -76,8 +77,7 @@ FitCovariance ParticleFit::covariance_at(const FittedParticle& found, const RayS
 double ParticleFit::support_at(const Rays& rays, std::span<const std::uint8_t> taken,
                                const ImagePoint& point) noexcept {
   std::size_t support = 0;
-  for (const std::uint32_t i : search_.find(rays, options_.gate, point, options_.gate.half_width_at(point.z)))
-    support += taken[i] == 0 ? 1 : 0;
+  for (const std::uint32_t i : find_near(rays, point)) support += taken[i] == 0 ? 1 : 0;
   return static_cast<double>(support);
 }
 

@@ -45,9 +45,13 @@ class ParticleFit {
   FittedParticle fit(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& start,
                      FitFor purpose) noexcept;
 
-  /// One least-squares step with exactly those rays inside the gate that `owner[pixel] == self`.
-  FittedParticle fit_owned(const Rays& rays, std::span<const std::int32_t> owner, std::int32_t self,
-                           const ImagePoint& start, FitFor purpose) noexcept;
+  /// Rays inside the gate at a point; valid until the next call of any function.
+  std::span<const std::uint32_t> find_near(const Rays& rays, const ImagePoint& at) noexcept {
+    return search_.find(rays, options_.gate, at, options_.gate.half_width_at(at.z));
+  }
+  /// One least-squares step from `start` with those of the rays inside the gate, `near`, that owner[pixel] == self.
+  FittedParticle fit_owned(const Rays& rays, std::span<const std::uint32_t> near, std::span<const std::int32_t> owner,
+                           std::int32_t self, const ImagePoint& start, FitFor purpose) noexcept;
 
   /// Free rays inside the gate at a point.
   double support_at(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& point) noexcept;
