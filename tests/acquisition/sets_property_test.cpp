@@ -48,7 +48,7 @@ class VirtualTime {
   Outcome play(const std::vector<Shown>& frames) {
     for (const Shown& shown : frames) {
       const std::int64_t now_ns = shown.info.arrival_ns;
-      for (std::int64_t end_ns; (end_ns = bundler_->deadline_ns()) <= now_ns;) take_all(end_ns);
+      while (bundler_->deadline_ns() <= now_ns && outcome_.overdue == 0) take_all(bundler_->deadline_ns());
       std::uint64_t& last = last_index_[shown.info.camera];
       if (shown.info.index <= last) continue;  // the intake counts those
       last = shown.info.index;
