@@ -17,12 +17,6 @@ double rate_hz(std::uint64_t now, std::uint64_t before, std::int64_t elapsed_ns)
   return elapsed_ns > 0 ? static_cast<double>(now - before) / seconds(elapsed_ns) : 0.0;
 }
 
-void append_losses(std::vector<LossCount>& out, std::string_view place, const Losses& losses) {
-  const auto counts = losses.snapshot();
-  for (std::size_t i = 0; i < kLossCauseCount; ++i)
-    if (counts[i] != 0) out.push_back({std::string(place), static_cast<LossCause>(i), counts[i]});
-}
-
 HandOverPolicy writer_policy(const Config& config) {
   // A recording loses nothing, so the disk may hold it up; a live run must not wait for a disk.
   if (config.intake.policy == "lossless") return Lossless{8};
