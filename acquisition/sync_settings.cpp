@@ -14,11 +14,7 @@ void SyncSettings::apply(IntakeOptions& options, std::size_t cameras, std::int64
     throw Error(ExitCode::configuration,
                 "sync.mode is unset and the source has " + std::to_string(cameras) +
                     " cameras; say what keeps them in step: 'hardware', 'ptp', 'device' or 'none'");
-  if (mode != "none" && period_ns > 0 && 2000 * tolerance_us >= static_cast<double>(period_ns))
-    throw Error(ExitCode::configuration, "sync.tolerance_us = " + std::to_string(std::llround(tolerance_us)) +
-                                             " does not tell one frame from the next, " +
-                                             std::to_string(period_ns / 1000) + " us later; set it below " +
-                                             std::to_string(period_ns / 2000));
+  if (const std::string line = confusion(cameras, period_ns); !line.empty()) throw Error(ExitCode::configuration, line);
   options.pairing.by = PairBy::index_and_time;
   if (mode == "device") options.pairing.by = PairBy::time;
   if (mode == "none") options.pairing.by = PairBy::index;
@@ -26,6 +22,14 @@ void SyncSettings::apply(IntakeOptions& options, std::size_t cameras, std::int64
   options.pairing.tolerance_ns = std::llround(tolerance_us * 1e3);
   options.bound_ns = std::llround(bound_ms * 1e6);
   options.stall_ns = options.bound_ns;
+}
+
+std::string SyncSettings::confusion(std::size_t cameras, std::int64_t period_ns) const {
+  if (cameras <= 1 || mode == "none" || period_ns <= 0 || 2000 * tolerance_us < static_cast<double>(period_ns))
+    return {};
+  return "sync.tolerance_us = " + std::to_string(std::llround(tolerance_us)) +
+         " does not tell one frame from the next, " + std::to_string(period_ns / 1000) + " us later; set it below " +
+         std::to_string(period_ns / 2000);
 }
 
 std::string SyncSettings::warning(std::size_t cameras) const {

@@ -29,6 +29,10 @@ struct SyncSettings {
   /// Error(configuration): several cameras and no mode, or a tolerance that does not tell one frame from the next.
   void apply(IntakeOptions& options, std::size_t cameras, std::int64_t period_ns) const;
 
+  /// What is wrong with the tolerance for frames that follow each other after `period_ns`; empty when nothing is, or
+  /// when the period is 0: not known.
+  std::string confusion(std::size_t cameras, std::int64_t period_ns) const;
+
   /// What every status must say about this choice; empty when it is a good one.
   std::string warning(std::size_t cameras) const;
 };

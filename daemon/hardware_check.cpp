@@ -22,6 +22,7 @@ class Trial {
  public:
   Trial(const Config& config, double duration_s)
       : duration_ns_(nanoseconds(duration_s)),
+        sync_(config.sync),
         source_(make_source(config)),
         intake_(source_->cameras(), options_of(config)),
         alarm_(names(), std::min(nanoseconds(config.intake.silence_alarm_s), duration_ns_ * 9 / 10)),
@@ -97,13 +98,24 @@ class Trial {
   void judge() {
     for (std::uint32_t c = 0; c < first_.size() && check_.problem.empty(); ++c)
       if (check_.cameras[c].report.delivered == 0) check_.problem = alarm_.warning(c);
+    doubt_tolerance();
     if (check_.problem.empty() && check_.sets == 0)
       check_.problem =
           "every camera gives frames and none of them belong together; see the losses, and choose "
           "sync.mode and sync.tolerance_us by them";
   }
 
+  /// The period of triggered cameras is known only now.
+  void doubt_tolerance() {
+    double rate_hz = 0;
+    for (const HardwareCheck::Camera& camera : check_.cameras) rate_hz = std::max(rate_hz, camera.rate_hz);
+    const auto period_ns = rate_hz > 0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0;
+    if (const std::string line = sync_.confusion(check_.cameras.size(), period_ns); !line.empty())
+      check_.warnings.push_back(line);
+  }
+
   const std::int64_t duration_ns_;
+  const SyncSettings sync_;
   std::unique_ptr<Source> source_;
   Intake intake_;
   SilenceAlarm alarm_;

@@ -40,6 +40,8 @@ TEST(SyncSettings, refuse_a_tolerance_that_confuses_one_frame_with_the_next) {
   EXPECT_THAT(refusal({.mode = "hardware", .tolerance_us = 1000}, 2, 2'000'000), HasSubstr("set it below 1000"));
   EXPECT_EQ(refusal({.mode = "hardware", .tolerance_us = 999}, 2, 2'000'000), "accepted");
   EXPECT_EQ(refusal({.mode = "none", .tolerance_us = 1000}, 2, 2'000'000), "accepted") << "nothing is compared";
+  EXPECT_EQ(SyncSettings{.mode = "ptp"}.confusion(1, 1'000), "") << "one camera is compared with nobody";
+  EXPECT_EQ(SyncSettings{.mode = "ptp"}.confusion(2, 0), "") << "nobody knows the period";
 }
 
 TEST(SyncSettings, mean_what_they_are_called) {
