@@ -6,6 +6,7 @@
 #include <bit>
 #include <map>
 #include <optional>
+#include <sstream>
 
 #include "daemon/doctor.hpp"
 #include "daemon/machine_files.hpp"

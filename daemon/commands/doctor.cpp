@@ -33,6 +33,9 @@ void add_doctor(CLI::App& app, Action& chosen) {
                       "configuration (TOML): also weigh its images against the links and its files against the disk");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
+      "With a configuration it opens the cameras for a moment, and writes up to 256 MiB, for some 2 s, into a file "
+      "that\n"
+      "nobody sees in the folder of the outputs, to learn how fast the disk is.\n"
       "Exit code 0: no problem (warnings do not count); 69: a problem.\n"
       "Examples:\n"
       "  rapidptv doctor\n"
