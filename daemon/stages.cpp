@@ -40,6 +40,16 @@ std::unique_ptr<Source> make_source(const Config& config) {
   });
 }
 
+IntakeOptions make_intake_options(const Config& config, const Source& source) {
+  IntakeOptions options = config.intake.options();
+  if (config.source.is_live()) config.sync.apply(options, source.cameras().size(), source.nominal_period_ns());
+  return options;
+}
+
+std::string sync_warning(const Config& config, const Source& source) {
+  return config.source.is_live() ? config.sync.warning(source.cameras().size()) : std::string();
+}
+
 std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {
   if (cameras.size() != 1)
     throw Error(ExitCode::configuration, "a light field has one camera and the source has " +
