@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "acquisition/unpack.hpp"
+#include "acquisition/v4l2_controls.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -68,6 +69,7 @@ V4l2Device::V4l2Device(V4l2System& system, const std::string& path, const V4l2Se
             reinterpret_cast<const char*>(capability.bus_info) + ", " + path + ")";
     set_format(settings);
     set_rate(settings.rate_hz);
+    set_controls(settings.controls);
   } catch (...) {
     close();
     throw;
@@ -77,9 +79,7 @@ V4l2Device::V4l2Device(V4l2System& system, const std::string& path, const V4l2Se
 V4l2Device::~V4l2Device() { close(); }
 
 int V4l2Device::call(unsigned long request, void* argument) noexcept {
-  int result = 0;
-  do result = system_.ioctl(descriptor_, request, argument);
-  while (result < 0 && errno == EINTR);
+  const int result = system_.call(descriptor_, request, argument);
   if (result < 0) errno_ = errno;
   return result;
 }
@@ -137,6 +137,12 @@ void V4l2Device::set_rate(double rate_hz) {
   if (rate_hz > 0 && std::abs(got_hz - rate_hz) > 0.01 * rate_hz)
     throw Error(ExitCode::configuration, path_ + ": gives " + std::to_string(got_hz) + " Hz where v4l2.rate_hz = " +
                                              std::to_string(rate_hz) + "; set a rate that it has, or 0");
+}
+
+void V4l2Device::set_controls(const std::vector<std::string>& wishes) {
+  for (const std::string& line : set_v4l2_controls(system_, descriptor_, path_, wishes))
+    otherwise_ += (otherwise_.empty() ? path_ + ": " : ", ") + line;
+  if (!otherwise_.empty()) otherwise_ += "; mend v4l2.controls";
 }
 
 void V4l2Device::start() {

@@ -36,6 +36,8 @@ class V4l2Device {
   std::uint32_t significant_bits() const noexcept { return bits_; }
   std::int64_t period_ns() const noexcept { return period_ns_; }  ///< 0: the driver does not say
   const std::string& name() const noexcept { return name_; }
+  /// What the driver made of the controls otherwise than asked, with the next step; empty: nothing.
+  const std::string& otherwise() const noexcept { return otherwise_; }
 
   /// Maps the buffers and begins to stream.
   void start();
@@ -57,6 +59,7 @@ class V4l2Device {
   void demand(unsigned long request, void* argument, const char* what, const char* next);
   void set_format(const V4l2Settings& settings);
   void set_rate(double rate_hz);
+  void set_controls(const std::vector<std::string>& wishes);
   void close() noexcept;
 
   V4l2System& system_;
@@ -64,6 +67,7 @@ class V4l2Device {
   const std::int64_t buffers_;
   int descriptor_ = -1;
   std::string name_;
+  std::string otherwise_;
   ImageShape shape_;
   std::uint32_t bits_ = 8;
   std::uint32_t fourcc_ = 0;

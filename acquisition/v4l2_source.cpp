@@ -41,7 +41,7 @@ class V4l2Source::Camera {
 
   void begin() {
     device_->start();
-    tell(DeviceState::streaming, "");
+    tell(DeviceState::streaming, device_->otherwise());
     sessions_.fetch_add(1, std::memory_order_relaxed);
   }
 
@@ -120,7 +120,9 @@ class V4l2Source::Camera {
     frame.info.clock = image.clock;
     frame.info.exposure_end_ns = image.time_ns;
     frame.info.arrival_ns = host_now_ns();
-    frame.info.exposure_end_host_ns = image.clock == ClockId::host_monotonic ? image.time_ns : frame.info.arrival_ns;
+    // Some drivers stamp the end that they expect, which may be still to come.
+    const bool known = image.clock == ClockId::host_monotonic && image.time_ns < frame.info.arrival_ns;
+    frame.info.exposure_end_host_ns = known ? image.time_ns : frame.info.arrival_ns;
     sink.deliver(std::move(frame));
   }
 

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// V4L2 cameras over a real kernel driver: formats, losses, faults and devices that go away. Runs in the emulated
+// machine.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+
+#include "acquisition/found_camera.hpp"
+#include "core/error.hpp"
+#include "tests/acquisition/vivid_card.hpp"
+
+namespace rptv {
+namespace {
+
+using testing::HasSubstr;
+
+void expect_accounted_for(const VividSession& session) {
+  const std::vector<std::uint64_t>& seen = session.indices();
+  ASSERT_FALSE(seen.empty());
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), std::less_equal<>()));
+  std::uint64_t lost = 0;
+  for (const LossCause cause :
+       {LossCause::source_gap, LossCause::source_torn, LossCause::pool_empty, LossCause::over_bound})
+    lost += session.lost(cause);
+  // What came after the last frame that was taken may be counted already.
+  EXPECT_GE(lost, seen.back() - seen.front() + 1 - seen.size());
+  EXPECT_EQ(session.lost(LossCause::source_duplicate), 0U);
+  EXPECT_EQ(session.lost(LossCause::set_stale), 0U);
+}
+
+// Waits for an image whose grey values do not change any more, and gives them.
+std::vector<std::uint32_t> picture(const std::string& format) {
+  VividSession session(webcam(format));
+  std::vector<std::uint32_t> values;
+  std::int64_t last_ns = 0;
+  for (int i = 0; i < 3; ++i) {
+    const FrameSet set = session.next();
+    if (set.cameras == 0) return {};
+    const ImageView view = set.frames[0].view();
+    values.resize(view.shape.pixels());
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[k] = view.shape.bytes_per_pixel == 2 ? view.as_u16()[k] : view.as_u8()[k];
+    EXPECT_EQ(set.info().clock, ClockId::host_monotonic);
+    EXPECT_GT(set.info().exposure_end_ns, last_ns);
+    EXPECT_LE(set.info().exposure_end_ns, set.info().arrival_ns);
+    last_ns = set.info().exposure_end_ns;
+  }
+  expect_accounted_for(session);
+  return values;
+}
+
+TEST(V4l2Vivid, gives_the_same_picture_in_every_format) {
+  press("osd_text_mode=none", kCapture);
+  press("timestamp_source=start_of_exposure", kCapture);
+  const std::vector<std::uint32_t> grey = picture("GREY");
+  ASSERT_EQ(grey.size(), 320U * 180U);
+  EXPECT_NE(*std::max_element(grey.begin(), grey.end()), *std::min_element(grey.begin(), grey.end()));
+  const std::pair<const char*, unsigned> wider[] = {{"Y10", 2}, {"Y12", 4}, {"Y16", 8}};
+  for (const auto& [format, shift] : wider) {
+    std::vector<std::uint32_t> image = picture(format);
+    for (std::uint32_t& value : image) value >>= shift;
+    EXPECT_EQ(image, grey) << format;
+  }
+  const std::vector<std::uint32_t> yuyv = picture("YUYV");
+  EXPECT_EQ(picture("NV12"), yuyv);
+  EXPECT_EQ(yuyv.size(), grey.size());
+}
+
+TEST(V4l2Vivid, takes_no_exposure_to_have_ended_after_its_image_came) {
+  press("timestamp_source=end_of_frame", kCapture);  // stamps with the end that it expects
+  VividSession session(webcam());
+  const FrameSet set = session.next();
+  EXPECT_GT(set.info().exposure_end_ns, set.info().exposure_end_host_ns);
+  EXPECT_LE(set.info().exposure_end_host_ns, set.info().arrival_ns);
+}
+
+TEST(V4l2Vivid, counts_the_buffers_that_the_driver_drops) {
+  VividSession session(webcam());
+  press("percentage_of_dropped_buffers=30");
+  EXPECT_TRUE(session.take_until([&] { return session.lost(LossCause::source_gap) >= 5; }));
+  press("percentage_of_dropped_buffers=0");
+  session.stop();
+  EXPECT_EQ(session.counter("sequence_gaps"), session.lost(LossCause::source_gap));
+  expect_accounted_for(session);
+}
+
+TEST(V4l2Vivid, counts_an_image_that_the_driver_calls_bad) {
+  VividSession session(webcam());
+  EXPECT_TRUE(session.take(2));
+  press("inject_v4l2_buf_flag_error=1");
+  EXPECT_TRUE(session.take_until([&] { return session.lost(LossCause::source_torn) == 1; }));
+  EXPECT_TRUE(session.take(2));
+  EXPECT_EQ(session.counter("torn"), 1U);
+  EXPECT_EQ(session.status().sessions, 1U);
+  expect_accounted_for(session);
+}
+
+TEST(V4l2Vivid, opens_the_device_again_after_each_of_its_faults) {
+  VividSession session(webcam());
+  EXPECT_TRUE(session.take(2));
+  std::uint64_t sessions = 1;
+  // EINVAL of QBUF; EIO of DQBUF; ENODEV, after which it is there again when all have closed it.
+  for (const char* fault : {"inject_vidioc_qbuf_error=1", "inject_fatal_streaming_error=1", "disconnect=1"}) {
+    press(fault);
+    ++sessions;
+    EXPECT_TRUE(session.take_until([&] { return session.status().sessions == sessions; })) << fault;
+    EXPECT_TRUE(session.take(2)) << fault;
+    EXPECT_EQ(session.status().state, DeviceState::streaming) << session.status().problem;
+  }
+  EXPECT_EQ(session.counter("device_lost"), 3U);
+  expect_accounted_for(session);
+}
+
+TEST(V4l2Vivid, survives_unplugging_and_plugging_in) {
+  VividSession session(webcam());
+  EXPECT_TRUE(session.take(2));
+  std::ofstream("/sys/bus/platform/drivers/vivid/unbind") << "vivid.0" << std::flush;
+  EXPECT_TRUE(session.take_until([&] { return session.status().state == DeviceState::lost; }));
+  EXPECT_THAT(session.status().problem, HasSubstr(kCapture));
+  EXPECT_NE(access(kCapture, F_OK), 0);
+  std::ofstream("/sys/bus/platform/drivers/vivid/bind") << "vivid.0" << std::flush;
+  EXPECT_TRUE(session.take(5));
+  EXPECT_EQ(session.status().sessions, 2U);
+  expect_accounted_for(session);
+}
+
+TEST(V4l2Vivid, goes_on_over_the_wrap_of_the_sequence_number) {
+  press("wrap_sequence_number=1");
+  VividSession session(webcam());
+  EXPECT_TRUE(session.take_until([&] { return !session.indices().empty() && session.indices().back() > UINT32_MAX; }));
+  press("wrap_sequence_number=0");
+  EXPECT_EQ(session.counter("sequence_steps_back"), 0U);
+  expect_accounted_for(session);
+}
+
+TEST(V4l2Vivid, refuses_what_the_driver_would_silently_change) {
+  V4l2Settings odd = webcam();
+  odd.width_px = 321;
+  EXPECT_THAT([&] { V4l2Source source(odd); }, testing::ThrowsMessage<Error>(HasSubstr("gives 320 x 180 px")));
+  V4l2Settings fast = webcam();
+  fast.rate_hz = 1000;
+  EXPECT_THAT([&] { V4l2Source source(fast); }, testing::ThrowsMessage<Error>(HasSubstr("where v4l2.rate_hz")));
+}
+
+TEST(V4l2Vivid, is_listed_with_its_formats) {
+  V4l2System system;
+  const std::vector<FoundCamera> found = find_v4l2_cameras(system);
+  ASSERT_EQ(found.size(), 1U);  // its output node is no camera
+  EXPECT_EQ(found[0].address, kCapture);
+  EXPECT_EQ(found[0].model, "vivid");
+  EXPECT_THAT(found[0].formats, testing::IsSupersetOf({"GREY", "Y10", "Y12", "Y16", "YUYV", "NV12"}));
+}
+
+}  // namespace
+}  // namespace rptv
