@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "acquisition/intake.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -62,10 +63,22 @@ class Driver : public V4l2System {
 
 V4l2Settings grey() { return {}; }
 
+struct Sink {
+  Intake intake{{{"/dev/video9", {4, 2, 1}, 8}}, {Newest{}, 8, 4}};
+  V4l2Loan loan{0, 4};
+};
+
+/// Streaming.
+struct Started : Sink {
+  explicit Started(Driver& driver) : device(driver, "/dev/video9", grey(), loan) { device.start(intake); }
+  V4l2Device device;
+};
+
 std::string refusal(Driver& driver, const V4l2Settings& settings) {
+  Sink sink;
   try {
-    V4l2Device device(driver, "/dev/video9", settings);
-    device.start();
+    V4l2Device device(driver, "/dev/video9", settings, sink.loan);
+    device.start(sink.intake);
   } catch (const Error& error) {
     EXPECT_EQ(driver.closed, driver.opened - (driver.failing == 0 && driver.error != 0 ? 1 : 0));
     EXPECT_EQ(driver.mapped, 0);
@@ -77,13 +90,13 @@ std::string refusal(Driver& driver, const V4l2Settings& settings) {
 TEST(V4l2Device, leaves_the_padding_of_rows_out) {
   Driver driver;
   for (std::uint8_t i = 0; i < 32; ++i) driver.memory[i] = i;
-  V4l2Device device(driver, "/dev/video9", grey());
-  device.start();
+  Started started(driver);
+  V4l2Device& device = started.device;
   V4l2Image image;
   ASSERT_EQ(device.take(image, -1, 0), Took::image);
-  std::uint8_t out[8] = {};
-  device.copy(image, reinterpret_cast<std::byte*>(out));
-  EXPECT_THAT(out, testing::ElementsAre(0, 1, 2, 3, 16, 17, 18, 19));
+  const FrameLease out = device.exchange(image, started.intake.claim(0));
+  const auto* pixels = reinterpret_cast<const std::uint8_t*>(out.get());
+  EXPECT_THAT(std::vector<int>(pixels, pixels + 8), testing::ElementsAre(0, 1, 2, 3, 16, 17, 18, 19));
   EXPECT_EQ(image.sequence, 5U);
   EXPECT_EQ(image.time_ns, 12'000'034'000);
   EXPECT_EQ(image.clock, ClockId::host_monotonic);
@@ -116,8 +129,8 @@ TEST(V4l2Device, says_what_failed_and_leaves_nothing_open) {
 TEST(V4l2Device, goes_on_after_interruptions) {
   Driver driver;
   driver.interruptions = 1000;
-  V4l2Device device(driver, "/dev/video9", grey());
-  device.start();
+  Started started(driver);
+  V4l2Device& device = started.device;
   driver.interruptions = 1000;
   V4l2Image image;
   EXPECT_EQ(device.take(image, -1, 0), Took::image);
@@ -126,8 +139,8 @@ TEST(V4l2Device, goes_on_after_interruptions) {
 
 TEST(V4l2Device, calls_flagged_and_short_images_torn) {
   Driver driver;
-  V4l2Device device(driver, "/dev/video9", grey());
-  device.start();
+  Started started(driver);
+  V4l2Device& device = started.device;
   V4l2Image image;
   driver.flags |= V4L2_BUF_FLAG_ERROR;
   ASSERT_EQ(device.take(image, -1, 0), Took::image);
@@ -143,8 +156,8 @@ TEST(V4l2Device, calls_flagged_and_short_images_torn) {
 
 TEST(V4l2Device, tells_a_busy_driver_from_a_lost_one) {
   Driver driver;
-  V4l2Device device(driver, "/dev/video9", grey());
-  device.start();
+  Started started(driver);
+  V4l2Device& device = started.device;
   V4l2Image image;
   driver.failing = VIDIOC_DQBUF, driver.error = EAGAIN;
   EXPECT_EQ(device.take(image, -1, 0), Took::nothing);

@@ -110,10 +110,6 @@ class Player {
   std::thread thread_;
 };
 
-std::uint32_t grey_at(const ImageView& view, std::size_t i) {
-  return view.shape.bytes_per_pixel == 2 ? view.as_u16()[i] : view.as_u8()[i];
-}
-
 bool is_exact(const ImageView& view, std::uint32_t bits) {
   const std::uint32_t number = grey_at(view, 0);
   for (std::uint32_t i = 0; i < view.shape.pixels(); ++i)

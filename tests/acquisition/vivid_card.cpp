@@ -12,6 +12,7 @@
 namespace rptv {
 namespace {
 
+constexpr std::size_t kPoolFrames = 24;
 constexpr std::int64_t kLong_ns = 30'000'000'000;  // emulated, on a loaded machine
 
 }  // namespace
@@ -40,7 +41,7 @@ V4l2Settings webcam(const std::string& pixel_format) {
 }
 
 VividSession::VividSession(const V4l2Settings& settings)
-    : source_(settings), intake_(source_.cameras(), {Bounded{16}, 24, 4}) {
+    : source_(settings, kPoolFrames), intake_(source_.cameras(), {Bounded{16}, kPoolFrames, 4}) {
   source_.start(intake_);
 }
 

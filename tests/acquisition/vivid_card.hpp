@@ -20,6 +20,10 @@ void press(const std::string& control, const std::string& node = kOutput);
 /// Chooses the input that the capture node takes its images from.
 void choose_input(int number);
 
+inline std::uint32_t grey_at(const ImageView& view, std::size_t i) {
+  return view.shape.bytes_per_pixel == 2 ? view.as_u16()[i] : view.as_u8()[i];
+}
+
 V4l2Settings webcam(const std::string& pixel_format = "GREY");
 
 /// A running source. Waits are bounded; a test that gets nothing fails.
