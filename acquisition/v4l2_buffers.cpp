@@ -17,8 +17,11 @@ void V4l2Device::start(FrameSink& sink) {
     throw Error(ExitCode::unavailable, path_ + ": cannot write this format straight into frame slots (v4l2.memory = " +
                                            "'userptr'); set it to 'auto'");
   if (!lent_) map();
+  int input = 0;
+  call(VIDIOC_G_INPUT, &input);
   v4l2_event_subscription change{};
   change.type = V4L2_EVENT_SOURCE_CHANGE;
+  change.id = static_cast<std::uint32_t>(input);
   call(VIDIOC_SUBSCRIBE_EVENT, &change);  // few devices have it; without it, nothing changes either
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   demand(VIDIOC_STREAMON, &type, "does not start", "USB: too little bandwidth? Use another port or a smaller image");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Our own images, played into the virtual card's HDMI output and taken from its HDMI input: every byte is compared.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 #include <sys/mman.h>
@@ -27,6 +28,8 @@ std::uint32_t grey_value(std::uint32_t number, std::uint32_t i, std::uint32_t bi
 struct Format {
   const char* name;
   std::uint32_t fourcc, bits;
+  const char* memory;
+  const char* used = memory;
 };
 
 /// As the camera of this format would send it.
@@ -117,35 +120,21 @@ bool is_exact(const ImageView& view, std::uint32_t bits) {
   return number < kImages;
 }
 
-void use_timings(const char* node) {
-  V4l2System system;
-  const Descriptor card(system.open(node));
-  v4l2_enum_dv_timings first{};
-  ASSERT_EQ(system.call(card.get(), VIDIOC_ENUM_DV_TIMINGS, &first), 0);
-  ASSERT_EQ(system.call(card.get(), VIDIOC_S_DV_TIMINGS, &first.timings), 0);
-}
-
 class V4l2VividImages : public testing::TestWithParam<Format> {
  protected:
-  void SetUp() override {
-    choose_input(1);
-    use_timings(kCapture);
-    use_timings(kOutput);
-    press("osd_text_mode=none", kCapture);
-    press("loop_video=1", kCapture);
-  }
-  void TearDown() override {
-    press("loop_video=0", kCapture);
-    choose_input(0);
-  }
+  V4l2VividImages() { press("loop_video=1", kCapture); }
+  ~V4l2VividImages() override { press("loop_video=0", kCapture); }
+  const HdmiInput input_;
 };
 
 TEST_P(V4l2VividImages, come_through_exactly) {
   const Format& format = GetParam();
   const Player player(format);
   V4l2Settings settings = webcam(format.name);
+  settings.memory = format.memory;
   settings.width_px = kWidth, settings.height_px = kHeight, settings.rate_hz = 0;
   VividSession session(settings);
+  EXPECT_THAT(session.status().link, testing::HasSubstr(std::string(" buffers, ") + format.used + ","));
   // Until the first of our images is through, the card sends noise.
   bool through = false;
   for (int i = 0; i < 100 && !through; ++i) {
@@ -166,10 +155,14 @@ TEST_P(V4l2VividImages, come_through_exactly) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, V4l2VividImages,
-                         testing::Values(Format{"GREY", V4L2_PIX_FMT_GREY, 8}, Format{"Y10", V4L2_PIX_FMT_Y10, 10},
-                                         Format{"Y12", V4L2_PIX_FMT_Y12, 12}, Format{"Y16", V4L2_PIX_FMT_Y16, 16},
-                                         Format{"YUYV", V4L2_PIX_FMT_YUYV, 8}),
-                         [](const auto& format) { return format.param.name; });
+                         testing::Values(Format{"GREY", V4L2_PIX_FMT_GREY, 8, "mmap"},
+                                         Format{"GREY", V4L2_PIX_FMT_GREY, 8, "userptr"},
+                                         Format{"Y10", V4L2_PIX_FMT_Y10, 10, "mmap"},
+                                         Format{"Y10", V4L2_PIX_FMT_Y10, 10, "userptr"},
+                                         Format{"Y12", V4L2_PIX_FMT_Y12, 12, "auto", "userptr"},
+                                         Format{"Y16", V4L2_PIX_FMT_Y16, 16, "auto", "userptr"},
+                                         Format{"YUYV", V4L2_PIX_FMT_YUYV, 8, "auto", "mmap"}),
+                         [](const auto& format) { return format.param.name + std::string("_") + format.param.memory; });
 
 }  // namespace
 }  // namespace rptv

@@ -19,21 +19,23 @@ namespace {
 
 using testing::HasSubstr;
 
-void expect_accounted_for(const VividSession& session) {
+// Stops the session. Every image that the driver gave is somewhere, and every index is.
+void expect_accounted_for(VividSession& session) {
+  session.stop();
   const std::vector<std::uint64_t>& seen = session.indices();
   ASSERT_FALSE(seen.empty());
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), std::less_equal<>()));
-  std::uint64_t lost = 0;
-  for (const LossCause cause :
-       {LossCause::source_gap, LossCause::source_torn, LossCause::pool_empty, LossCause::over_bound})
-    lost += session.lost(cause);
-  // What came after the last frame that was taken may be counted already.
+  const std::uint64_t over_bound = session.lost(LossCause::over_bound);
+  // On a loaded machine this driver gives a sequence number twice now and then.
+  EXPECT_EQ(session.counter("dequeued"), seen.size() + session.counter("torn") + session.counter("no_slot") +
+                                             over_bound + session.lost(LossCause::source_duplicate) +
+                                             session.lost(LossCause::after_close));
+  const std::uint64_t lost = session.lost(LossCause::source_gap) + session.lost(LossCause::source_torn) +
+                             session.lost(LossCause::pool_empty) + over_bound;
   EXPECT_GE(lost, seen.back() - seen.front() + 1 - seen.size());
-  EXPECT_EQ(session.lost(LossCause::source_duplicate), 0U);
-  EXPECT_EQ(session.lost(LossCause::set_stale), 0U);
 }
 
-// Waits for an image whose grey values do not change any more, and gives them.
+// Grey values of the third image.
 std::vector<std::uint32_t> picture(const std::string& format) {
   VividSession session(webcam(format));
   std::vector<std::uint32_t> values;
@@ -83,9 +85,8 @@ TEST(V4l2Vivid, counts_the_buffers_that_the_driver_drops) {
   press("percentage_of_dropped_buffers=30");
   EXPECT_TRUE(session.take_until([&] { return session.lost(LossCause::source_gap) >= 5; }));
   press("percentage_of_dropped_buffers=0");
-  session.stop();
-  EXPECT_EQ(session.counter("sequence_gaps"), session.lost(LossCause::source_gap));
   expect_accounted_for(session);
+  EXPECT_EQ(session.counter("sequence_gaps"), session.lost(LossCause::source_gap));
 }
 
 TEST(V4l2Vivid, counts_an_image_that_the_driver_calls_bad) {
@@ -119,7 +120,7 @@ TEST(V4l2Vivid, survives_unplugging_and_plugging_in) {
   VividSession session(webcam());
   EXPECT_TRUE(session.take(2));
   std::ofstream("/sys/bus/platform/drivers/vivid/unbind") << "vivid.0" << std::flush;
-  EXPECT_TRUE(session.take_until([&] { return session.status().state == DeviceState::lost; }));
+  EXPECT_TRUE(VividSession::wait_for([&] { return session.status().state == DeviceState::lost; }));
   EXPECT_THAT(session.status().problem, HasSubstr(kCapture));
   EXPECT_NE(access(kCapture, F_OK), 0);
   std::ofstream("/sys/bus/platform/drivers/vivid/bind") << "vivid.0" << std::flush;
@@ -145,6 +146,44 @@ TEST(V4l2Vivid, refuses_what_the_driver_would_silently_change) {
   V4l2Settings fast = webcam();
   fast.rate_hz = 1000;
   EXPECT_THAT([&] { V4l2Source source(fast, 16); }, testing::ThrowsMessage<Error>(HasSubstr("where v4l2.rate_hz")));
+}
+
+TEST(V4l2Vivid, tells_the_clock_of_its_stamps) {
+  for (const char* memory : {"mmap", "userptr"}) {
+    V4l2Settings settings = webcam();
+    settings.memory = memory;
+    press("timestamp_source=start_of_exposure", kCapture);
+    EXPECT_THAT(VividSession(settings).status().link, HasSubstr("stamps of CLOCK_MONOTONIC at the start of exposure"));
+    press("timestamp_source=end_of_frame", kCapture);
+    EXPECT_THAT(VividSession(settings).status().link, HasSubstr("stamps of CLOCK_MONOTONIC at the end of the image"));
+  }
+}
+
+TEST(V4l2Vivid, keeps_every_slot_in_the_cycle_over_faults_and_full_queues) {
+  V4l2Settings settings = webcam();
+  settings.memory = "userptr";
+  VividSession session(settings);
+  EXPECT_TRUE(session.take(2));
+  {
+    std::vector<FrameSet> kept;  // until no slot is left for the driver's images
+    while (kept.size() + static_cast<std::size_t>(settings.buffers) < VividSession::kPoolFrames)
+      kept.push_back(session.next());
+    EXPECT_TRUE(VividSession::wait_for([&] { return session.lost(LossCause::pool_empty) > 0; }));
+  }
+  press("inject_fatal_streaming_error=1");
+  EXPECT_TRUE(session.take_until([&] { return session.status().sessions == 2; }));
+  EXPECT_TRUE(session.take(30));
+  expect_accounted_for(session);
+  EXPECT_EQ(session.free_slots(), VividSession::kPoolFrames);
+}
+
+TEST(V4l2Vivid, refuses_slots_for_formats_that_must_be_unpacked) {
+  for (const char* format : {"YUYV", "NV12"}) {
+    V4l2Settings settings = webcam(format);
+    settings.memory = "userptr";
+    EXPECT_THAT([&] { VividSession session(settings); },
+                testing::ThrowsMessage<Error>(HasSubstr("cannot write this format straight into frame slots")));
+  }
 }
 
 TEST(V4l2Vivid, is_listed_with_its_formats) {

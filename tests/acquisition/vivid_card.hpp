@@ -17,8 +17,12 @@ inline constexpr const char* kOutput = "/dev/video1";   // HDMI, loops to input 
 
 /// Sets a control of the card, for instance a fault: "disconnect=1". Through the output node, which stays free.
 void press(const std::string& control, const std::string& node = kOutput);
-/// Chooses the input that the capture node takes its images from.
-void choose_input(int number);
+
+/// While it lives, the card takes its images from the HDMI input, 640 x 480 px at 60 Hz.
+struct HdmiInput {
+  HdmiInput();
+  ~HdmiInput();
+};
 
 inline std::uint32_t grey_at(const ImageView& view, std::size_t i) {
   return view.shape.bytes_per_pixel == 2 ? view.as_u16()[i] : view.as_u8()[i];
@@ -29,6 +33,8 @@ V4l2Settings webcam(const std::string& pixel_format = "GREY");
 /// A running source. Waits are bounded; a test that gets nothing fails.
 class VividSession {
  public:
+  static constexpr std::size_t kPoolFrames = 24;
+
   explicit VividSession(const V4l2Settings& settings);
   ~VividSession();
 
@@ -37,11 +43,15 @@ class VividSession {
   /// Takes frames until `enough`; false when that does not come.
   bool take_until(const std::function<bool()>& enough);
   bool take(std::size_t frames);
+  /// Takes no frames meanwhile.
+  static bool wait_for(const std::function<bool()>& enough);
+  /// Frames that are still on their way count as taken.
   void stop();
 
   DeviceStatus status() const { return source_.device_status().front(); }
   std::uint64_t counter(const std::string& name) const;
   std::uint64_t lost(LossCause cause) const { return intake_.losses(0).of(cause); }
+  std::size_t free_slots() const { return intake_.free_slots(0); }
   /// Of the frames that take…() saw.
   const std::vector<std::uint64_t>& indices() const noexcept { return indices_; }
 
