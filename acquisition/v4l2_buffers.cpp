@@ -5,6 +5,7 @@
 #include <linux/videodev2.h>
 #include <sys/mman.h>
 
+#include <cerrno>
 #include <cstring>
 
 #include "core/error.hpp"
@@ -14,8 +15,8 @@ namespace rptv {
 void V4l2Device::start(FrameSink& sink) {
   if (memory_ != "mmap") lent_ = lend(sink);
   if (!lent_ && memory_ == "userptr")
-    throw Error(ExitCode::unavailable, path_ + ": cannot write this format straight into frame slots (v4l2.memory = " +
-                                           "'userptr'); set it to 'auto'");
+    throw Error(ExitCode::unavailable, path_ + ": does not write straight into frame slots, v4l2.memory = 'userptr' (" +
+                                           std::strerror(errno_) + "); set it to 'auto'");
   if (!lent_) map();
   int input = 0;
   call(VIDIOC_G_INPUT, &input);
@@ -40,7 +41,11 @@ std::uint32_t V4l2Device::request_buffers(std::size_t count) noexcept {
 /// False, with all undone, when the driver cannot: the image must lie in its buffer as it does in a slot.
 bool V4l2Device::lend(FrameSink& sink) noexcept {
   const bool same = format_.unpack == nullptr && format_.only_luma && stride_ == shape_.row_bytes();
-  if (!same || image_size_ > shape_.bytes()) return false;
+  if (!same || image_size_ > shape_.bytes()) {
+    errno_ = EOPNOTSUPP;
+    return false;
+  }
+  errno_ = ENOBUFS;  // unless a call says otherwise
   lent_ = true;
   const std::uint32_t least = request_buffers(1);  // the driver raises it to what it needs to run
   bool done = least > 0 && least <= loan_.lent();
@@ -57,8 +62,10 @@ bool V4l2Device::lend(FrameSink& sink) noexcept {
     done = call(VIDIOC_QBUF, &buffer) == 0;
   }
   if (!done) {
+    const int why = errno_;
     request_buffers(0);
     loan_.end();
+    errno_ = why;
   }
   lent_ = false;
   return done;

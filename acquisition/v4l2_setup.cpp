@@ -59,14 +59,13 @@ void V4l2Device::demand(unsigned long request, void* argument, const char* what,
 /// Only inputs for video signals (HDMI, SDI) have timings: those of the signal are taken over.
 void V4l2Device::set_timings() {
   v4l2_dv_timings timings{};
-  if (call(VIDIOC_QUERY_DV_TIMINGS, &timings) == 0) {
-    call(VIDIOC_S_DV_TIMINGS, &timings);  // busy: another program streams; the format that it set is compared below
-    return;
-  }
+  const bool told = call(VIDIOC_QUERY_DV_TIMINGS, &timings) == 0;
+  // Busy: another program streams; the format that it set is compared below.
+  if (told && (call(VIDIOC_S_DV_TIMINGS, &timings) == 0 || errno_ == EBUSY)) return;
+  if (told || errno_ == ERANGE)
+    throw Error(ExitCode::unavailable, path_ + ": has a signal that it cannot take; set its source to another mode");
   if (errno_ == ENOLINK || errno_ == ENOLCK)
     throw Error(ExitCode::unavailable, path_ + ": has no stable signal at its input; connect and switch on its source");
-  if (errno_ == ERANGE)
-    throw Error(ExitCode::unavailable, path_ + ": has a signal that it cannot take; set its source to another mode");
 }
 
 void V4l2Device::set_format(const V4l2Settings& settings) {
@@ -84,6 +83,8 @@ void V4l2Device::set_format(const V4l2Settings& settings) {
   if (pixels.pixelformat != format_.fourcc)
     throw Error(ExitCode::configuration, path_ + ": does not give v4l2.pixel_format = '" + settings.pixel_format +
                                              "'; see `v4l2-ctl --list-formats-ext`");
+  if (pixels.field != V4L2_FIELD_NONE)
+    throw Error(ExitCode::configuration, path_ + ": gives interlaced images; set its source to a progressive mode");
   if (pixels.width != width || pixels.height != height)
     throw Error(ExitCode::configuration, path_ + ": gives " + std::to_string(pixels.width) + " x " +
                                              std::to_string(pixels.height) + " px where " + std::to_string(width) +

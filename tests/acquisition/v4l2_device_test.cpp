@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <tuple>
 
 #include "acquisition/intake.hpp"
 #include "core/error.hpp"
@@ -39,6 +40,7 @@ class Driver : public V4l2System {
       v4l2_pix_format& pixels = static_cast<v4l2_format*>(argument)->fmt.pix;
       stale_stride |= request == VIDIOC_S_FMT && pixels.bytesperline != 0;
       pixels.width = 4, pixels.height = 2, pixels.bytesperline = 16, pixels.sizeimage = 32;
+      if (field != V4L2_FIELD_ANY) pixels.field = field;
     }
     if (request == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = length;
     if (request == VIDIOC_DQBUF) {
@@ -56,6 +58,7 @@ class Driver : public V4l2System {
   unsigned long failing = 0;
   int error = 0, interruptions = 0, opened = 0, closed = 0, mapped = 0;
   bool stale_stride = false;
+  std::uint32_t field = V4L2_FIELD_ANY;  // what it makes of every field
   short events = POLLIN;
   std::uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC, bytesused = 32, length = 32, sequence = 5;
   std::uint8_t memory[32] = {};
@@ -109,6 +112,26 @@ TEST(V4l2Device, refuses_a_size_that_the_driver_changed) {
   V4l2Settings settings = grey();
   settings.width_px = 5;
   EXPECT_THAT(refusal(driver, settings), HasSubstr("gives 4 x 2 px where 5 x 2 was asked"));
+}
+
+TEST(V4l2Device, refuses_interlaced_images) {
+  Driver driver;
+  driver.field = V4L2_FIELD_ALTERNATE;
+  EXPECT_THAT(refusal(driver, grey()), HasSubstr("gives interlaced images"));
+}
+
+TEST(V4l2Device, takes_no_signal_with_timings_that_the_driver_refuses) {
+  const std::tuple<unsigned long, int, const char*> cases[] = {
+      {VIDIOC_QUERY_DV_TIMINGS, ENOTTY, "accepted"},
+      {VIDIOC_QUERY_DV_TIMINGS, ENOLINK, "has no stable signal at its input"},
+      {VIDIOC_QUERY_DV_TIMINGS, ERANGE, "has a signal that it cannot take"},
+      {VIDIOC_S_DV_TIMINGS, EINVAL, "has a signal that it cannot take"},
+      {VIDIOC_S_DV_TIMINGS, EBUSY, "accepted"}};
+  for (const auto& [request, error, words] : cases) {
+    Driver driver;
+    driver.failing = request, driver.error = error;
+    EXPECT_THAT(refusal(driver, grey()), HasSubstr(words)) << error;
+  }
 }
 
 TEST(V4l2Device, says_what_failed_and_leaves_nothing_open) {

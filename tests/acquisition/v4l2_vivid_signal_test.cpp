@@ -52,6 +52,12 @@ TEST_F(V4l2VividSignal, of_another_size_that_fits_no_slot_is_told_until_it_is_ba
   EXPECT_EQ(session.status().problem, "");
 }
 
+TEST_F(V4l2VividSignal, of_a_mode_that_the_card_does_not_take_is_refused) {
+  send("720x576i25");
+  EXPECT_THAT([] { V4l2Source source(hdmi(0, 0), 16); },
+              testing::ThrowsMessage<Error>(HasSubstr("/dev/video0: has a signal that it cannot take")));
+}
+
 TEST_F(V4l2VividSignal, that_is_not_there_is_told_until_it_comes) {
   press("dv_timings_signal_mode=no_signal", kCapture);
   EXPECT_THAT([] { V4l2Source source(hdmi(0, 0), 16); },

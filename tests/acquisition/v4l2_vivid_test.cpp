@@ -196,7 +196,7 @@ TEST(V4l2Vivid, refuses_slots_for_formats_that_must_be_unpacked) {
     V4l2Settings settings = webcam(format);
     settings.memory = "userptr";
     EXPECT_THAT([&] { VividSession session(settings); },
-                testing::ThrowsMessage<Error>(HasSubstr("cannot write this format straight into frame slots")));
+                testing::ThrowsMessage<Error>(HasSubstr("'userptr' (Operation not supported); set it to 'auto'")));
   }
 }
 
@@ -207,6 +207,8 @@ TEST(V4l2Vivid, is_listed_with_its_formats) {
   EXPECT_EQ(found[0].address, kCapture);
   EXPECT_EQ(found[0].model, "vivid");
   EXPECT_THAT(found[0].formats, testing::IsSupersetOf({"GREY", "Y10", "Y12", "Y16", "YUYV", "NV12"}));
+  EXPECT_EQ(std::count(found[0].formats.begin(), found[0].formats.end(), "Y16"), 1);
+  EXPECT_THAT(found[0].formats, testing::Contains("Y16-BE"));
 }
 
 }  // namespace
