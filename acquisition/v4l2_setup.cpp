@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "acquisition/v4l2_controls.hpp"
+#include "acquisition/v4l2_modes.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -85,11 +86,14 @@ void V4l2Device::set_format(const V4l2Settings& settings) {
                                              "'; see `v4l2-ctl --list-formats-ext`");
   if (pixels.field != V4L2_FIELD_NONE)
     throw Error(ExitCode::configuration, path_ + ": gives interlaced images; set its source to a progressive mode");
-  if (pixels.width != width || pixels.height != height)
+  if (pixels.width != width || pixels.height != height) {
+    const std::string sizes = v4l2_sizes(system_, descriptor_, format_.fourcc);
     throw Error(ExitCode::configuration, path_ + ": gives " + std::to_string(pixels.width) + " x " +
                                              std::to_string(pixels.height) + " px where " + std::to_string(width) +
                                              " x " + std::to_string(height) +
-                                             " was asked; set v4l2.width_px and height_px to a size that it has");
+                                             " was asked; set v4l2.width_px and height_px to a size that it has" +
+                                             (sizes.empty() ? "" : ": " + sizes));
+  }
   shape_ = {width, height, format_.significant_bits > 8 ? 2U : 1U};
   const std::size_t row = format_.row_bytes(width);
   stride_ = pixels.bytesperline == 0 ? row : pixels.bytesperline;
@@ -113,9 +117,11 @@ void V4l2Device::set_rate(double rate_hz) {
   }
   if (adjustable && frame.denominator != 0) period_ns_ = 1'000'000'000LL * frame.numerator / frame.denominator;
   const double got_hz = period_ns_ > 0 ? 1e9 / static_cast<double>(period_ns_) : 0;
-  if (rate_hz > 0 && std::abs(got_hz - rate_hz) > 0.01 * rate_hz)
-    throw Error(ExitCode::configuration, path_ + ": gives " + std::to_string(got_hz) + " Hz where v4l2.rate_hz = " +
-                                             std::to_string(rate_hz) + "; set a rate that it has, or 0");
+  if (rate_hz == 0 || std::abs(got_hz - rate_hz) <= 0.01 * rate_hz) return;
+  const std::string rates = v4l2_rates(system_, descriptor_, format_.fourcc, shape_.width_px, shape_.height_px);
+  throw Error(ExitCode::configuration, path_ + ": gives " + std::to_string(got_hz) +
+                                           " Hz where v4l2.rate_hz = " + std::to_string(rate_hz) +
+                                           "; set a rate that it has, or 0" + (rates.empty() ? "" : ": " + rates));
 }
 
 void V4l2Device::set_controls(const std::vector<std::string>& wishes) {

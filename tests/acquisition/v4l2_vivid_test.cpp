@@ -140,13 +140,17 @@ TEST(V4l2Vivid, goes_on_over_the_wrap_of_the_sequence_number) {
   expect_accounted_for(session);
 }
 
-TEST(V4l2Vivid, refuses_what_the_driver_would_silently_change) {
+TEST(V4l2Vivid, refuses_what_the_driver_would_silently_change_and_says_what_it_has) {
   V4l2Settings odd = webcam();
   odd.width_px = 321;
-  EXPECT_THAT([&] { V4l2Source source(odd, 16); }, testing::ThrowsMessage<Error>(HasSubstr("gives 320 x 180 px")));
+  EXPECT_THAT([&] { V4l2Source source(odd, 16); },
+              testing::ThrowsMessage<Error>(testing::AllOf(HasSubstr("gives 320 x 180 px where 321 x 180 was asked"),
+                                                           HasSubstr(": 320 x 180, 640 x 360, 640 x 480, "))));
   V4l2Settings fast = webcam();
   fast.rate_hz = 1000;
-  EXPECT_THAT([&] { V4l2Source source(fast, 16); }, testing::ThrowsMessage<Error>(HasSubstr("where v4l2.rate_hz")));
+  EXPECT_THAT([&] { V4l2Source source(fast, 16); },
+              testing::ThrowsMessage<Error>(testing::AllOf(HasSubstr("where v4l2.rate_hz = 1000"),
+                                                           HasSubstr("or 0: 1, 2, "), testing::EndsWith(", 60 Hz"))));
 }
 
 TEST(V4l2Vivid, tells_the_clock_of_its_stamps) {
