@@ -8,6 +8,7 @@
 #include <cstring>
 #include <utility>
 
+#include "acquisition/v4l2_watch.hpp"
 #include "core/error.hpp"
 
 namespace rptv {

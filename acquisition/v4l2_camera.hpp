@@ -13,11 +13,11 @@
 #include "acquisition/v4l2_device.hpp"
 #include "acquisition/v4l2_loan.hpp"
 #include "acquisition/v4l2_settings.hpp"
-#include "acquisition/v4l2_watch.hpp"
 #include "core/descriptor.hpp"
 
 namespace rptv {
 
+/// begin() and run() use the sink from one thread at a time; status() and end(): any thread.
 class V4l2Camera {
  public:
   /// Opens and sets up the device; throws Error. `pool_frames`: slots that the sink has for this camera.

@@ -4,7 +4,6 @@
 
 #include <linux/videodev2.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <charconv>

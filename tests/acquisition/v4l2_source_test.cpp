@@ -183,6 +183,25 @@ TEST(V4l2Source, copies_where_the_driver_takes_no_slots) {
               testing::ThrowsMessage<Error>(testing::HasSubstr("set it to 'auto'")));
 }
 
+TEST(V4l2Source, leaves_frames_alone_that_are_still_in_use) {
+  std::vector<Shot> shots;
+  for (std::uint32_t i = 0; i < 300; ++i) shots.push_back({i});
+  Driver driver(shots);
+  V4l2Source source(one_camera("userptr"), 64, &driver);  // more slots than the driver has numbers for
+  Intake intake(source.cameras(), {Lossless{4}, 64, 4});
+  source.start(intake);
+  std::deque<FrameSet> held;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    held.emplace_back();
+    ASSERT_EQ(intake.next(held.back(), kLongNs), Taken::value);
+    ASSERT_EQ(held.back().info().index, i);
+    for (const FrameSet& set : held) ASSERT_EQ(set.frames[0].view().as_u8()[0], set.info().index % 256);
+    if (held.size() > 30 + i % 15) held.erase(held.begin() + static_cast<std::ptrdiff_t>(i % held.size()));
+  }
+  intake.close();
+  source.stop();
+}
+
 TEST(V4l2Source, gives_every_slot_back) {
   Driver driver(std::vector<Shot>{{1}, {2}, {3}});
   V4l2Source source(one_camera("userptr"), 6, &driver);
