@@ -32,7 +32,8 @@ std::unique_ptr<Source> make_aravis_source(const Config& config) {
 
 std::unique_ptr<Source> make_source(const Config& config) {
   if (config.source.kind == "aravis") return make_aravis_source(config);
-  if (config.source.kind == "v4l2") return std::make_unique<V4l2Source>(config.v4l2);
+  if (config.source.kind == "v4l2")
+    return std::make_unique<V4l2Source>(config.v4l2, static_cast<std::size_t>(config.intake.pool_frames));
   std::unique_ptr<Progress> bar;
   return std::make_unique<ReplaySource>(config.replay, [&bar](std::size_t done, std::size_t total) {
     if (!bar) bar = std::make_unique<Progress>("decode", total);
