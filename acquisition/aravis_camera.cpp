@@ -11,8 +11,10 @@
 #include <optional>
 #include <thread>
 
+#include "acquisition/aravis_link.hpp"
 #include "acquisition/aravis_setup.hpp"
 #include "acquisition/aravis_stream.hpp"
+#include "acquisition/gvcp_probe.hpp"
 #include "core/clock.hpp"
 #include "core/error.hpp"
 #include "core/wake.hpp"
@@ -22,7 +24,8 @@ namespace {
 
 constexpr std::int64_t kRetry_ns = 300'000'000;
 constexpr std::int64_t kLook_ns = 1'000'000'000;  // how often the wait looks up although nothing was told
-constexpr int kSocketBuffer = 8 << 20;
+constexpr std::int64_t kAnswer_ns = 150'000'000;
+constexpr std::uint64_t kSearchEvery = 2;  // unanswered tries: a search delays an answer at the old address
 
 void on_event(void* stream, ArvStreamCallbackType type, ArvBuffer*) noexcept {
   if (type == ARV_STREAM_CALLBACK_TYPE_INIT) static_cast<AravisStream*>(stream)->enter();
@@ -36,6 +39,8 @@ struct AravisCamera::Life {
   const std::string name;
   CameraHandle camera;
   AravisSetup setup;
+  GvcpIdentity identity;         // known for GigE Vision cameras
+  std::uint64_t unanswered = 0;  // tries since it last answered
   AravisStream buffers;
   StreamHandle stream;  // guarded by `mutex` when it changes and when status() reads it
   std::atomic<bool> lost{false}, stopping{false};
@@ -50,6 +55,7 @@ struct AravisCamera::Life {
         name(n),
         camera(open_camera(n)),
         setup(set_up_camera(camera.get(), n, s)),
+        identity(who_answers_at(setup.address, kAnswer_ns)),
         buffers(number, setup.shape, *setup.format, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32),
                 s.thread_priority, setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {
     status.device = setup.device;
@@ -71,12 +77,17 @@ struct AravisCamera::Life {
     }
   }
 
+  bool answers() const { return who_answers_at(setup.address, kAnswer_ns) == identity; }
+  void look_for_it();
   void open_again() {
-    camera = open_camera(name);
+    if (identity.known()) look_for_it();
+    camera = open_camera(identity.known() ? setup.address : name);
     const AravisSetup now = set_up_camera(camera.get(), name, settings);
     if (now.shape != setup.shape)
       throw Error(ExitCode::configuration, "camera " + name + " came back with another image size; restart rapidptv");
     setup = now;
+    const std::lock_guard lock(mutex);
+    status.device = setup.device;
   }
 
   static void on_lost(ArvDevice*, gpointer self) {
@@ -90,32 +101,42 @@ struct AravisCamera::Life {
   void supervise(FrameSink& sink) noexcept;
 };
 
+// Opening an absent camera would block for 2.5 s, and the opening of every other camera with it: so ask first. One that
+// has another address since it was switched on again is known by its hardware address and serial number.
+void AravisCamera::Life::look_for_it() {
+  if (answers()) {
+    unanswered = 0;
+    return;
+  }
+  if (++unanswered % kSearchEvery == 0) {
+    const std::string found = find_address_of(identity, kAnswer_ns);
+    if (!found.empty()) setup.address = found;
+    if (!found.empty()) return;
+  }
+  throw Error(ExitCode::unavailable, "camera " + name + " does not answer at " + setup.address +
+                                         " nor elsewhere; it is looked for: check power, cable and address");
+}
+
 void AravisCamera::Life::begin_session(FrameSink& sink) {
   ArvFailure failure;
+  choose_socket(camera.get(), settings);
   StreamHandle made(arv_camera_create_stream(camera.get(), &on_event, &buffers, failure.out()));
   if (!made)
     throw Error(ExitCode::unavailable, "camera " + name + " gives no stream (" + failure.text() +
                                            "); close the other program that controls it");
-  if (ARV_IS_GV_STREAM(made.get())) {
-    const int bytes = settings.socket_buffer_bytes > 0 ? static_cast<int>(settings.socket_buffer_bytes) : kSocketBuffer;
-    g_object_set(
-        made.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", bytes, "packet-resend",
-        settings.packet_resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
-  }
+  const std::string socket = tune_stream(camera.get(), made.get(), settings);
   lost = false;
   g_signal_connect(arv_camera_get_device(camera.get()), "control-lost", G_CALLBACK(&Life::on_lost), this);
-  const std::int64_t last_ns = buffers.last_frame_ns();
-  const std::int64_t away_ns = last_ns == 0 || setup.period_ns == 0 ? 0 : host_now_ns() - last_ns;
-  const std::int64_t missed = setup.period_ns == 0 ? 0 : away_ns / setup.period_ns;
   {
     const std::lock_guard lock(mutex);
     stream = std::move(made);
     status.link = std::string(setup.format->name) + " " + std::to_string(setup.shape.width_px) + " x " +
-                  std::to_string(setup.shape.height_px) + " px, packets of " + std::to_string(setup.packet_size) +
-                  " bytes" + (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
+                  std::to_string(setup.shape.height_px) + " px" +
+                  (socket.empty() ? "" : ", packets of " + std::to_string(setup.packet_size) + " bytes, " + socket) +
+                  (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
                   (buffers.priority_refused() ? ", real-time priority refused" : "");
   }
-  buffers.begin(stream.get(), sink, static_cast<std::uint64_t>(missed));
+  buffers.begin(stream.get(), sink, setup.period_ns);
   arv_camera_start_acquisition(camera.get(), failure.out());
   if (failure) throw Error(ExitCode::unavailable, "camera " + name + " does not start (" + failure.text() + ")");
   const std::lock_guard lock(mutex);
@@ -126,7 +147,9 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
 
 void AravisCamera::Life::end_session() noexcept {
   ArvFailure ignored;
-  if (camera && stream && !lost) arv_camera_stop_acquisition(camera.get(), ignored.out());
+  // To one that is gone unnoticed, every word would take 2.5 s.
+  if (camera && stream && !lost && (!identity.known() || answers()))
+    arv_camera_stop_acquisition(camera.get(), ignored.out());
   StreamHandle old;
   {
     const std::lock_guard lock(mutex);
@@ -151,7 +174,7 @@ void AravisCamera::Life::supervise(FrameSink& sink) noexcept {
     try {
       if (!camera) open_again();
       begin_session(sink);
-      while (!lost && wait(kLook_ns)) continue;
+      while (!lost && wait(kLook_ns)) clear_packet_socket_errors();
       if (!stopping)
         tell(DeviceState::lost, "camera " + name + " stopped answering; it is opened again: check cable and power");
       end_session();
@@ -186,9 +209,14 @@ void AravisCamera::start(FrameSink& sink) {
   pthread_setname_np(life_->thread.native_handle(), "rptv-camera");
 }
 
-void AravisCamera::stop() noexcept {
+void AravisCamera::ask_to_stop() noexcept {
   life_->stopping = true;
+  life_->buffers.leave();
   life_->wake.notify();
+}
+
+void AravisCamera::stop() noexcept {
+  ask_to_stop();
   if (life_->thread.joinable()) life_->thread.join();
 }
 
@@ -196,6 +224,8 @@ DeviceStatus AravisCamera::status() const {
   const std::lock_guard lock(life_->mutex);
   DeviceStatus now = life_->status;
   now.counters.push_back({"delivered", life_->buffers.delivered()});
+  now.counters.push_back({"outages", life_->buffers.outages()});
+  now.counters.push_back({"outage_ms", static_cast<std::uint64_t>(life_->buffers.outage_ns() / 1'000'000)});
   for (std::size_t i = 0; i < AravisStream::kStatuses; ++i)
     now.counters.push_back({std::string("unfit_") + AravisStream::status_name(i), life_->buffers.unfit(i)});
   ArvStream* stream = life_->stream.get();

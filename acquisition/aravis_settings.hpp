@@ -24,6 +24,7 @@ struct AravisSettings {
   std::string trigger = "off";
   std::int64_t packet_size = 0;
   std::int64_t socket_buffer_bytes = 0;
+  bool packet_socket = true;
   bool packet_resend = true;
   std::int64_t thread_priority = 0;
 
@@ -43,7 +44,9 @@ struct AravisSettings {
     list.text("trigger", trigger, "off, software, or the camera's name of a source: Line1, Action1");
     list.integer("packet_size", packet_size, 0, 65536, "GigE Vision packet, bytes with IP header; 0: negotiated");
     list.integer("socket_buffer_bytes", socket_buffer_bytes, 0, 1 << 30,
-                 "receive buffer where no packet socket may be used; 0: 8 MiB, bounded by net.core.rmem_max");
+                 "receive buffer where no packet socket is used; 0: 8 MiB; bounded by net.core.rmem_max");
+    list.flag("packet_socket", packet_socket,
+              "receive GigE Vision packets by a packet socket where that is permitted (CAP_NET_RAW)");
     list.flag("packet_resend", packet_resend, "ask GigE Vision cameras for lost packets again");
     list.integer("thread_priority", thread_priority, 0, 99, "real-time priority of the receiving threads; 0: leave");
   }

@@ -81,6 +81,14 @@ void set_packets(Writer& writer, ArvCamera* camera, const AravisSettings& s) {
   arv_camera_gv_auto_packet_size(camera, ignored.out());
 }
 
+std::string address_of(ArvCamera* camera) {
+  GSocketAddress* address = arv_gv_device_get_device_address(ARV_GV_DEVICE(arv_camera_get_device(camera)));
+  char* text = g_inet_address_to_string(g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address)));
+  std::string dotted = text;
+  g_free(text);
+  return dotted;
+}
+
 std::string text_of(const char* text) { return text == nullptr ? "?" : text; }
 
 }  // namespace
@@ -102,7 +110,9 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
     throw Error(ExitCode::unavailable, "camera " + name + " is controlled by another program; close the other program");
   setup.device = text_of(arv_camera_get_vendor_name(camera, ignored.out())) + " " +
                  text_of(arv_camera_get_model_name(camera, ignored.out())) + " " +
-                 text_of(arv_camera_get_device_serial_number(camera, ignored.out())) + " at " + name;
+                 text_of(arv_camera_get_device_serial_number(camera, ignored.out()));
+  if (arv_camera_is_gv_device(camera)) setup.address = address_of(camera);
+  setup.device += " at " + (setup.address.empty() ? name : setup.address);
   if (settings.ownership == "host")
     write_settings(writer, settings);
   else if (!settings.user_set.empty())

@@ -14,7 +14,8 @@ namespace rptv {
 
 /// What an opened camera is and will send.
 struct AravisSetup {
-  std::string device;  ///< vendor, model, serial, name it was opened by
+  std::string device;   ///< vendor, model, serial, address or name it was opened by
+  std::string address;  ///< of a GigE Vision camera, dotted; else empty
   const PixelFormat* format = nullptr;
   ImageShape shape;
   std::size_t payload_bytes = 0;

@@ -12,7 +12,7 @@
 namespace rptv {
 
 /// The caller owns it.
-inline ArvFakeCamera* make_gvsp_registers() {
+inline ArvFakeCamera* make_gvsp_registers(const std::string& serial) {
   ArvFakeCamera* plain = arv_fake_camera_new("SIM0");
   gsize bytes = 0;
   const char* text = arv_fake_camera_get_genicam_xml(plain, &bytes);
@@ -25,7 +25,7 @@ inline ArvFakeCamera* make_gvsp_registers() {
                "</Value></EnumEntry>\n";
   xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
   const Place place;
-  return arv_fake_camera_new_full("SIM1", place.write("camera.xml", xml).c_str());
+  return arv_fake_camera_new_full(serial.c_str(), place.write("camera.xml", xml).c_str());
 }
 
 }  // namespace rptv
