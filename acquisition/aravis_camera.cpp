@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "acquisition/aravis_link.hpp"
@@ -23,7 +22,8 @@ namespace rptv {
 namespace {
 
 constexpr std::int64_t kRetry_ns = 300'000'000;
-constexpr std::int64_t kLook_ns = 1'000'000'000;  // how often the wait looks up although nothing was told
+constexpr std::int64_t kLook_ns = 50'000'000;
+constexpr unsigned kLooksPerSecond = 20;
 constexpr std::int64_t kAnswer_ns = 150'000'000;
 constexpr std::uint64_t kSearchEvery = 2;  // unanswered tries: a search delays an answer at the old address
 
@@ -90,6 +90,11 @@ struct AravisCamera::Life {
     status.device = setup.device;
   }
 
+  bool has_control() const {
+    return !arv_camera_is_gv_device(camera.get()) ||
+           arv_gv_device_is_controller(ARV_GV_DEVICE(arv_camera_get_device(camera.get())));
+  }
+
   static void on_lost(ArvDevice*, gpointer self) {
     auto* life = static_cast<Life*>(self);
     life->lost = true;
@@ -126,14 +131,14 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
                                            "); close the other program that controls it");
   const std::string socket = tune_stream(camera.get(), made.get(), settings);
   lost = false;
-  g_signal_connect(arv_camera_get_device(camera.get()), "control-lost", G_CALLBACK(&Life::on_lost), this);
+  // Not with GigE Vision: Aravis' heartbeat thread tells with a reference in its hand, and when ours goes meanwhile,
+  // that thread destroys the device, waits for itself and aborts the process. There has_control() is asked.
+  if (!arv_camera_is_gv_device(camera.get()))
+    g_signal_connect(arv_camera_get_device(camera.get()), "control-lost", G_CALLBACK(&Life::on_lost), this);
   {
     const std::lock_guard lock(mutex);
     stream = std::move(made);
-    status.link = std::string(setup.format->name) + " " + std::to_string(setup.shape.width_px) + " x " +
-                  std::to_string(setup.shape.height_px) + " px" +
-                  (socket.empty() ? "" : ", packets of " + std::to_string(setup.packet_size) + " bytes, " + socket) +
-                  (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
+    status.link = setup.text() + socket + (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
                   (buffers.priority_refused() ? ", real-time priority refused" : "");
   }
   buffers.begin(stream.get(), sink, setup.period_ns);
@@ -174,7 +179,10 @@ void AravisCamera::Life::supervise(FrameSink& sink) noexcept {
     try {
       if (!camera) open_again();
       begin_session(sink);
-      while (!lost && wait(kLook_ns)) clear_packet_socket_errors();
+      for (unsigned look = 1; !lost && wait(kLook_ns); ++look) {
+        if (!has_control()) lost = true;
+        if (look % kLooksPerSecond == 0) clear_packet_socket_errors();
+      }
       if (!stopping)
         tell(DeviceState::lost, "camera " + name + " stopped answering; it is opened again: check cable and power");
       end_session();

@@ -74,10 +74,10 @@ std::string tune_stream(ArvCamera* camera, ArvStream* stream, const AravisSettin
                settings.packet_resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                nullptr);
   const std::string resend = settings.packet_resend ? ", resend on" : ", resend off";
-  if (settings.packet_socket && may_use_packet_sockets()) return "packet socket" + resend;
+  if (settings.packet_socket && may_use_packet_sockets()) return ", packet socket" + resend;
   const int wanted = settings.socket_buffer_bytes > 0 ? static_cast<int>(settings.socket_buffer_bytes) : kSocketBuffer;
   const int granted = grant_buffer(socket_of(camera, stream), wanted);
-  return "socket buffer " + std::to_string(granted) + " of " + std::to_string(wanted) + " bytes" + resend;
+  return ", socket buffer " + std::to_string(granted) + " of " + std::to_string(wanted) + " bytes" + resend;
 }
 
 void clear_packet_socket_errors() noexcept {

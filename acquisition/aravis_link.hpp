@@ -13,8 +13,8 @@ namespace rptv {
 /// arv_camera_create_stream().
 void choose_socket(ArvCamera* camera, const AravisSettings& settings);
 
-/// Sets buffer and resend of a new stream; returns what came of it, for DeviceStatus::link: "packet socket, resend on".
-/// Empty for other buses. Before the acquisition starts; takes a look at every open file, so not per frame.
+/// Sets buffer and resend of a new stream; returns what came of it, for DeviceStatus::link: ", packet socket, resend
+/// on". Empty for other buses. Before the acquisition starts; takes a look at every open file, so not per frame.
 std::string tune_stream(ArvCamera* camera, ArvStream* stream, const AravisSettings& settings);
 
 /// A packet socket whose link went down stays in error, and Aravis' receiving thread would spin on it for ever. Clears

@@ -93,6 +93,14 @@ std::string text_of(const char* text) { return text == nullptr ? "?" : text; }
 
 }  // namespace
 
+std::string AravisSetup::text() const {
+  std::string all = std::string(format->name) + " " + std::to_string(shape.width_px) + " x " +
+                    std::to_string(shape.height_px) + " px";
+  if (exposure_us > 0) all += ", exposure " + std::to_string(std::llround(exposure_us)) + " us";
+  if (packet_size > 0) all += ", packets of " + std::to_string(packet_size) + " bytes";
+  return all;
+}
+
 CameraHandle open_camera(const std::string& name) {
   ArvFailure failure;
   CameraHandle camera(arv_camera_new(name.c_str(), failure.out()));
@@ -149,6 +157,7 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
     throw Error(ExitCode::configuration, "camera " + name + " sends " + std::to_string(setup.payload_bytes) +
                                              " bytes per image where " + std::to_string(expected_bytes) +
                                              " are expected; switch its chunk data and line padding off");
+  setup.exposure_us = arv_camera_get_exposure_time(camera, ignored.out());
   const double rate_hz = arv_camera_get_frame_rate(camera, ignored.out());
   if (!ignored && settings.trigger == "off" && std::isfinite(rate_hz) && rate_hz > 0)
     setup.period_ns = static_cast<std::int64_t>(1e9 / rate_hz);

@@ -11,9 +11,10 @@
 namespace {
 
 void add_commands(CLI::App& app, rptv::Action& chosen) {
-  for (const auto add : {rptv::add_run, rptv::add_check, rptv::add_show_config, rptv::add_calibrate,
-                         rptv::add_reconstruct, rptv::add_link, rptv::add_simulate, rptv::add_score, rptv::add_info,
-                         rptv::add_tail, rptv::add_demo, rptv::add_cameras, rptv::add_doctor, rptv::add_bench})
+  for (const auto add :
+       {rptv::add_run, rptv::add_check, rptv::add_show_config, rptv::add_calibrate, rptv::add_reconstruct,
+        rptv::add_link, rptv::add_simulate, rptv::add_score, rptv::add_info, rptv::add_tail, rptv::add_demo,
+        rptv::add_cameras, rptv::add_snapshot, rptv::add_doctor, rptv::add_bench})
     add(app, chosen);
 }
 

@@ -93,8 +93,9 @@ TEST(AravisSource, says_in_its_link_how_packets_reach_it_and_what_the_kernel_gra
   settings.socket_buffer_bytes = 100'000;
   Rig rig(settings);
   ASSERT_TRUE(rig.take_until([&] { return rig.received().images >= 20; })) << rig.status().problem;
-  EXPECT_EQ(rig.status().link,
-            "Mono8 128 x 96 px, packets of 1400 bytes, socket buffer 100000 of 100000 bytes, resend off");
+  EXPECT_EQ(
+      rig.status().link,
+      "Mono8 128 x 96 px, exposure 10000 us, packets of 1400 bytes, socket buffer 100000 of 100000 bytes, resend off");
 }
 
 TEST(AravisSource, streams_from_two_cameras_at_once) {
