@@ -22,6 +22,8 @@ struct AravisSettings {
   double gain = -1;
   double rate_hz = 0;
   std::string trigger = "off";
+  bool ptp = false;
+  double ptp_wait_s = 15;
   std::int64_t packet_size = 0;
   std::int64_t socket_buffer_bytes = 0;
   bool packet_socket = true;
@@ -42,6 +44,8 @@ struct AravisSettings {
     list.number("gain", gain, -1, 100, "gain in the camera's unit, mostly dB; -1: as the camera has it");
     list.number("rate_hz", rate_hz, 0, 1e5, "frames per second without trigger; 0: as the camera has it");
     list.text("trigger", trigger, "off, software, or the camera's name of a source: Line1, Action1");
+    list.flag("ptp", ptp, "set the cameras' clocks by PTP, and wait until they are locked");
+    list.number("ptp_wait_s", ptp_wait_s, 0, 600, "how long to wait for a locked clock");
     list.integer("packet_size", packet_size, 0, 65536, "GigE Vision packet, bytes with IP header; 0: negotiated");
     list.integer("socket_buffer_bytes", socket_buffer_bytes, 0, 1 << 30,
                  "receive buffer where no packet socket is used; 0: 8 MiB; bounded by net.core.rmem_max");

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "acquisition/aravis_ptp.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -128,6 +129,7 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
       arv_camera_set_string(c, "UserSetSelector", settings.user_set.c_str(), error);
       if (error == nullptr || *error == nullptr) arv_camera_execute_command(c, "UserSetLoad", error);
     });
+  if (settings.ptp) enable_ptp(camera, name);
   if (arv_camera_is_gv_device(camera)) {
     set_packets(writer, camera, settings);
     setup.packet_size = arv_camera_gv_get_packet_size(camera, ignored.out());

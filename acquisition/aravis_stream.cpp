@@ -149,7 +149,7 @@ void AravisStream::take(ArvStream* stream, ArvBuffer* buffer) noexcept {
   FrameLease other = sink_->claim(camera_);
   if (!other) return lend(stream, buffer);
   frame.info.camera = camera_;
-  frame.info.clock = ClockId::device;
+  frame.info.clock = clock_.load(std::memory_order_relaxed);
   frame.info.exposure_end_ns = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer));
   frame.info.exposure_end_host_ns = now_ns;
   frame.info.arrival_ns = now_ns;

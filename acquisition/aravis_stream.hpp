@@ -28,6 +28,8 @@ class AravisStream {
   /// Claims what is not yet lent, gives all of it to `stream`. Before the acquisition starts. `period_ns`: between
   /// frames, by which those are estimated that were due since the last session; 0: unknown, none are.
   void begin(ArvStream* stream, FrameSink& sink, std::int64_t period_ns);
+  /// What the camera's time stamps are from now on. Any thread.
+  void set_clock(ClockId clock) noexcept { clock_.store(clock, std::memory_order_relaxed); }
   /// What breaks off from here on is our own doing, and no loss. Any thread.
   void leave() noexcept { leaving_.store(true, std::memory_order_relaxed); }
   /// Gives all slots back to the sink's pool, which may be gone before this object is. No stream may be left.
@@ -75,6 +77,7 @@ class AravisStream {
   std::uint64_t torn_since_ = 0;    // incomplete images since the last frame
   bool returns_ = false;            // no frame of this session yet, but of an earlier one
   std::atomic<bool> leaving_{false};
+  std::atomic<ClockId> clock_{ClockId::device};
   std::atomic<ArvStream*> stream_{nullptr};
   std::atomic<std::uint64_t> delivered_{0};
   std::array<std::atomic<std::uint64_t>, kStatuses> unfit_{};

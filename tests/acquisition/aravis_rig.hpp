@@ -28,6 +28,7 @@ inline AravisSettings settings_for(const std::string& address) {
 /// What came: numbers of the images, and how many were not what the camera had sent.
 struct Received {
   std::uint64_t images = 0, wrong = 0, first = 0, newest = 0, first_index = 0, newest_index = 0;
+  ClockId clock = ClockId::nominal;  ///< of the newest
 };
 
 class Rig {
@@ -72,6 +73,7 @@ class Rig {
     }
     received_.newest = number;
     received_.newest_index = frame.info.index;
+    received_.clock = frame.info.clock;
   }
 
   const std::string format_;

@@ -98,6 +98,30 @@ TEST(AravisSource, says_in_its_link_how_packets_reach_it_and_what_the_kernel_gra
       "Mono8 128 x 96 px, exposure 10000 us, packets of 1400 bytes, socket buffer 100000 of 100000 bytes, resend off");
 }
 
+TEST(AravisSource, sets_the_camera_clock_by_ptp_and_reports_its_offset) {
+  GvspDevice device("127.0.20.11", {});
+  AravisSettings settings = settings_for("127.0.20.11");
+  settings.ptp = true;
+  Rig rig(settings);
+  ASSERT_TRUE(rig.take_until([&] { return rig.received().images >= 20; })) << rig.status().problem;
+  EXPECT_EQ(rig.received().clock, ClockId::ptp);
+  EXPECT_NE(rig.status().link.find(", PTP Slave, offset -120 ns"), std::string::npos) << rig.status().link;
+}
+
+TEST(AravisSource, says_that_no_ptp_master_answers) {
+  GvspFaults faults;
+  faults.ptp_has_master = false;
+  GvspDevice device("127.0.20.12", faults);
+  AravisSettings settings = settings_for("127.0.20.12");
+  settings.ptp = true;
+  settings.ptp_wait_s = 1;
+  Rig rig(settings);
+  EXPECT_TRUE(rig.take_until([&] {
+    return rig.status().problem.find("its state is 'Listening'") != std::string::npos;
+  })) << rig.status().problem;
+  EXPECT_EQ(rig.received().images, 0U);
+}
+
 TEST(AravisSource, streams_from_two_cameras_at_once) {
   GvspDevice left("127.0.20.5", {}), right("127.0.20.6", {});
   AravisSettings settings = settings_for("127.0.20.5");

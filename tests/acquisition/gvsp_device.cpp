@@ -54,6 +54,7 @@ void GvspDevice::run() {
     if (rest_ && !rests_.exchange(true)) rested_.notify();
     const bool acquires = !rests_ && reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0 &&
                           reg(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE) == 0;  // no trigger is ever pulled here
+    follow_master();
     const std::int64_t now_ns = host_now_ns();
     if (!acquires) due_ns = now_ns;
     const std::int64_t rest_ns = acquires ? std::clamp<std::int64_t>(due_ns - now_ns, 0, 20'000'000) : 20'000'000;
@@ -66,6 +67,15 @@ void GvspDevice::run() {
     due_ns += std::int64_t{1000} * reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US);
     due_ns = std::max(due_ns, host_now_ns() - 50'000'000);
   }
+}
+
+// One state further at each latch: disabled, listening, slave.
+void GvspDevice::follow_master() {
+  if (reg(kPtpEnable) == 0 || reg(kPtpLatch) == 0) return;
+  const std::uint32_t state = reg(kPtpStatus), last = faults_.ptp_has_master ? 2 : 1;
+  arv_fake_camera_write_register(registers_, kPtpStatus, std::min(state + 1, last));
+  arv_fake_camera_write_register(registers_, kPtpOffset, static_cast<std::uint32_t>(-120));
+  arv_fake_camera_write_register(registers_, kPtpLatch, 0);
 }
 
 void GvspDevice::send_image() {

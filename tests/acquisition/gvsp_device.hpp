@@ -25,6 +25,7 @@ struct GvspFaults {
   std::uint16_t first_id = 1;
   std::uint32_t seed = 1;
   double strays = 0;  ///< per image: a packet before it that belongs to no image
+  bool ptp_has_master = true;
 };
 
 struct GvspIdentity {
@@ -55,6 +56,7 @@ class GvspDevice {
   bool obey(std::uint16_t command, const std::uint8_t* request, std::size_t size, std::uint8_t* reply,
             std::size_t& length);
   void resend(const std::uint8_t* request);
+  void follow_master();
   void send_image();
   void send_stray(std::uint16_t id);
   void send(const std::vector<std::uint8_t>& packet);
