@@ -17,6 +17,7 @@ constexpr std::int64_t kRetry_ns = 300'000'000;
 constexpr std::int64_t kLook_ns = 50'000'000;
 constexpr unsigned kLooksPerSecond = 20;
 constexpr std::int64_t kAnswer_ns = 150'000'000;
+constexpr std::int64_t kReading_ns = 500'000'000, kBetweenLooks_ns = 5'000'000;
 constexpr std::uint64_t kSearchEvery = 2;  // unanswered tries: a search delays an answer at the old address
 
 void on_event(void* stream, ArvStreamCallbackType type, ArvBuffer*) noexcept {
@@ -125,8 +126,20 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
   status.problem.clear();
 }
 
+// A stream that is closed drops what lies unread with the kernel, uncounted. A receiving thread that sleeps has read
+// all; the packet socket tells of the last packets up to 5 ms late, so it must be seen asleep more than once.
+void AravisCamera::Life::let_it_read() const {
+  const std::int64_t deadline_ns = host_now_ns() + kReading_ns;
+  Wake nobody;
+  for (int asleep = 0; asleep < 3 && host_now_ns() < deadline_ns;) {
+    nobody.wait(nobody.prepare(), kBetweenLooks_ns);
+    asleep = buffers.asleep() ? asleep + 1 : 0;
+  }
+}
+
 void AravisCamera::Life::end_session() noexcept {
   ArvFailure ignored;
+  if (stream && !stopping) let_it_read();
   // To one that is gone unnoticed, every word would take 2.5 s.
   if (camera && stream && !lost && (!identity.known() || answers()))
     arv_camera_stop_acquisition(camera.get(), ignored.out());

@@ -29,6 +29,8 @@ struct AravisCamera::Life {
   bool answers() const;
   void begin_session(FrameSink& sink);
   void end_session() noexcept;
+  /// Until all that the camera sent before it was lost is read, at most half a second.
+  void let_it_read() const;
   /// Until control is lost, or stop.
   void look_after_it();
   bool has_control() const;

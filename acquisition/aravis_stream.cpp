@@ -3,8 +3,11 @@
 #include "acquisition/aravis_stream.hpp"
 
 #include <arv.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
+#include <string>
 
 #include "core/clock.hpp"
 
@@ -101,7 +104,17 @@ FrameLease AravisStream::take_slot(const void* data) noexcept {
 }
 
 void AravisStream::enter() noexcept {
+  thread_.store(gettid());
   if (priority_ > 0 && !arv_make_thread_realtime(static_cast<int>(priority_))) priority_refused_.store(true);
+}
+
+// "number (name) state …"
+bool AravisStream::asleep() const {
+  std::ifstream file("/proc/self/task/" + std::to_string(thread_.load()) + "/stat");
+  std::string text;
+  std::getline(file, text);
+  const auto name_end = text.rfind(") ");
+  return name_end == std::string::npos || text.compare(name_end, 3, ") S") == 0;
 }
 
 // Aravis may put a buffer into the queue without telling, so: all that are there, not one for each call.

@@ -36,6 +36,8 @@ class AravisStream {
   void end() noexcept;
   /// Aravis' receiving thread begins.
   void enter() noexcept;
+  /// The receiving thread sleeps, as it does when it has read all that came. Any thread.
+  bool asleep() const;
   /// A buffer is done, well or not: Aravis' receiving thread.
   void done() noexcept;
 
@@ -76,6 +78,7 @@ class AravisStream {
   std::int64_t last_frame_ns_ = 0;  // receiving thread, as the next two; 0: none yet
   std::uint64_t torn_since_ = 0;    // incomplete images since the last frame
   bool returns_ = false;            // no frame of this session yet, but of an earlier one
+  std::atomic<int> thread_{0};      // receiving, as the kernel numbers it
   std::atomic<bool> leaving_{false};
   std::atomic<ClockId> clock_{ClockId::device};
   std::atomic<ArvStream*> stream_{nullptr};

@@ -58,7 +58,8 @@ int soak(double minutes) {
   }
   camera->rest();
   sent.add(camera->truth());
-  rig.take_until([&] { return rig.accounted() >= sent.least; });
+  const std::uint64_t last_image = rig.received().newest >> 32 << 32 | camera->truth().sent;
+  rig.take_until([&] { return rig.accounted() >= sent.least || rig.received().newest == last_image; });
   const std::uint64_t uncounted = sent.least - std::min(sent.least, rig.accounted());
   print(sent, rig, back, uncounted);
   return uncounted == 0 && rig.accounted() <= sent.most && rig.received().wrong == 0 ? 0 : 1;
