@@ -14,8 +14,8 @@ namespace rptv {
 namespace {
 
 constexpr std::int64_t kRetry_ns = 300'000'000;
-constexpr std::int64_t kLook_ns = 50'000'000;
-constexpr unsigned kLooksPerSecond = 20;
+constexpr std::int64_t kLook_ns = 100'000'000;
+constexpr unsigned kLooksPerSecond = 10;
 constexpr std::int64_t kAnswer_ns = 150'000'000;
 constexpr std::int64_t kReading_ns = 500'000'000, kBetweenLooks_ns = 5'000'000;
 constexpr std::uint64_t kSearchEvery = 2;  // unanswered tries: a search delays an answer at the old address
@@ -160,10 +160,11 @@ void AravisCamera::Life::end_session() noexcept {
 }
 
 void AravisCamera::Life::look_after_it() {
+  const std::vector<int> sockets = packet_sockets();
   for (unsigned look = 1; !lost && wait(kLook_ns); ++look) {
     if (!has_control()) lost = true;
     if (look % kLooksPerSecond != 0) continue;
-    clear_packet_socket_errors();
+    clear_errors(sockets);
     if (settings.ptp) show_ptp(read_ptp(camera.get()));
   }
 }

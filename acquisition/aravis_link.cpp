@@ -19,6 +19,12 @@ constexpr int kSocketBuffer = 8 << 20;
 // The right that Aravis needs for its packet socket; a socket of no protocol hears nothing.
 bool may_use_packet_sockets() { return Descriptor(socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0)).open(); }
 
+bool is_packet_socket(int descriptor) noexcept {
+  int domain = 0;
+  socklen_t size = sizeof domain;
+  return getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &domain, &size) == 0 && domain == AF_PACKET;
+}
+
 /// Calls `look` with every open file until it says true.
 template <class Look>
 void look_through_files(const Look& look) {
@@ -80,14 +86,22 @@ std::string tune_stream(ArvCamera* camera, ArvStream* stream, const AravisSettin
   return ", socket buffer " + std::to_string(granted) + " of " + std::to_string(wanted) + " bytes" + resend;
 }
 
-void clear_packet_socket_errors() noexcept {
-  look_through_files([](int descriptor) {
-    int value = 0;
-    socklen_t size = sizeof value;
-    if (getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &value, &size) == 0 && value == AF_PACKET)
-      getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &value, &size);  // reading it is clearing it
+std::vector<int> packet_sockets() {
+  std::vector<int> found;
+  look_through_files([&](int descriptor) {
+    if (is_packet_socket(descriptor)) found.push_back(descriptor);
     return false;
   });
+  return found;
+}
+
+void clear_errors(const std::vector<int>& descriptors) noexcept {
+  for (const int descriptor : descriptors) {
+    int error = 0;
+    socklen_t size = sizeof error;
+    // Reading it is clearing it.
+    if (is_packet_socket(descriptor)) getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  }
 }
 
 }  // namespace rptv

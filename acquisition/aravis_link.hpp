@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "acquisition/aravis_handle.hpp"
 #include "acquisition/aravis_settings.hpp"
@@ -17,8 +18,12 @@ void choose_socket(ArvCamera* camera, const AravisSettings& settings);
 /// on". Empty for other buses. Before the acquisition starts; takes a look at every open file, so not per frame.
 std::string tune_stream(ArvCamera* camera, ArvStream* stream, const AravisSettings& settings);
 
+/// The packet sockets that this process has open. Looks at every open file, so not per frame.
+std::vector<int> packet_sockets();
+
 /// A packet socket whose link went down stays in error, and Aravis' receiving thread would spin on it for ever. Clears
-/// the errors of this process's packet sockets. From time to time; any thread but a real-time one.
-void clear_packet_socket_errors() noexcept;
+/// the errors of those of `descriptors` that still are packet sockets. From time to time; any thread but a real-time
+/// one.
+void clear_errors(const std::vector<int>& descriptors) noexcept;
 
 }  // namespace rptv

@@ -4,9 +4,8 @@
 
 usage: compare_cameras.py BUILD [RATE_HZ...]    as root; BUILD: a build folder of preset release; rates: default 50 100
 
-Needs Debian's aravis-tools. Runs in a network of its own. CPU per frame is that of the whole client process, from the difference
-of a long and a short run, so that opening the camera and reading its description do not count: median and least of the rounds,
-since whatever else runs can only add. The machine's load is printed.
+Needs Debian's aravis-tools. Runs in a network of its own. CPU per frame is that of the whole client process while it streams, as
+the kernel's scheduler counts it: median and least of the rounds, since whatever else runs can only add. The load is printed.
 """
 import fcntl
 import os
@@ -17,9 +16,10 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
-SHORT_S, LONG_S, ROUNDS, PACKET = 2, 10, 5, 9000
+RUN_S, WARM_S, WINDOW_S, ROUNDS, PACKET = 9, 2, 6, 5, 9000
 
 
 def set_loopback_up():
@@ -27,35 +27,35 @@ def set_loopback_up():
         fcntl.ioctl(any_socket, 0x8914, struct.pack("16sh14x", b"lo", 0x1 | 0x40))  # SIOCSIFFLAGS: up, running
 
 
-def run(command):
-    """(what it said, CPU seconds of it)"""
+def cpu_s(pid):
+    """Seconds on a processor of all threads that live."""
+    return sum(int((task / "schedstat").read_text().split()[0]) for task in Path(f"/proc/{pid}/task").iterdir()) * 1e-9
+
+
+def run(command, frames_of):
+    """(frames per second, CPU microseconds per frame, what it said)"""
     with tempfile.TemporaryFile("w+") as out:
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
-        _, status, used = os.wait4(process.pid, 0)
+        time.sleep(WARM_S)
+        started, used = time.monotonic(), cpu_s(process.pid)
+        time.sleep(WINDOW_S)
+        share = (cpu_s(process.pid) - used) / (time.monotonic() - started)
+        status = process.wait(timeout=60)
         out.seek(0)
         text = out.read()
     if status != 0:
         sys.exit(f"{command[0]} ended with {status}:\n{text}")
-    return text, used.ru_utime + used.ru_stime
+    fps = float(re.search(frames_of, text)[1]) / RUN_S
+    return fps, 1e6 * share / fps, text
 
 
-def ours(build, rate, seconds):
-    text, cpu = run([build / "tests/bench/rptv_bench_camera", "127.0.0.1", str(rate), str(seconds), str(PACKET)])
-    return float(re.search(r"frames (\d+)", text)[1]), cpu, text
+def ours(build, rate):
+    return run([build / "tests/bench/rptv_bench_camera", "127.0.0.1", str(rate), str(RUN_S), str(PACKET)], r"frames (\d+)")
 
 
-def theirs(_, rate, seconds):
-    text, cpu = run(["arv-camera-test-0.8", "-n", "127.0.0.1", "-w", "1920", "-h", "1200", "-f", str(rate),
-                     "-i", str(PACKET), f"--duration={seconds}"])
-    return float(re.search(r"n_completed_buffers\s*=\s*(\d+)", text)[1]), cpu, text
-
-
-def cost(client, build, rate):
-    """(frames per second, CPU microseconds per frame, what the long run said)"""
-    frames, cpu, _ = client(build, rate, SHORT_S)
-    more_frames, more_cpu, text = client(build, rate, LONG_S)
-    new = more_frames - frames
-    return new / (LONG_S - SHORT_S), 1e6 * (more_cpu - cpu) / new, text
+def theirs(_, rate):
+    return run(["arv-camera-test-0.8", "-n", "127.0.0.1", "-w", "1920", "-h", "1200", "-f", str(rate), "-i", str(PACKET),
+                f"--duration={RUN_S}"], r"n_completed_buffers\s*=\s*(\d+)")
 
 
 def main():
@@ -70,7 +70,7 @@ def main():
     try:
         print("client, asked fps: got fps; CPU us/frame median, least; load")
         for rate in rates:
-            rounds = [(cost(ours, build, rate), cost(theirs, build, rate)) for _ in range(ROUNDS)]
+            rounds = [(ours(build, rate), theirs(build, rate)) for _ in range(ROUNDS)]
             for who, name in enumerate(("rapidptv", "arv-camera-test")):
                 fps, cpu = ([r[who][what] for r in rounds] for what in (0, 1))
                 print(f"{name:15}, {rate:3.0f}: {statistics.median(fps):5.1f}; {statistics.median(cpu):4.0f}, {min(cpu):4.0f}; "
