@@ -44,7 +44,8 @@ DeviceStatus AravisCamera::status() const {
   DeviceStatus now = life_->status;
   now.link += life_->ptp;
   now.counters.push_back({"delivered", life_->buffers.delivered()});
-  now.counters.push_back({"outages", life_->buffers.outages()});
+  now.last_outage = life_->buffers.last_outage();
+  now.counters.push_back({"outages", now.last_outage.number});
   now.counters.push_back({"outage_ms", static_cast<std::uint64_t>(life_->buffers.outage_ns() / 1'000'000)});
   for (std::size_t i = 0; i < AravisStream::kStatuses; ++i)
     now.counters.push_back({std::string("unfit_") + AravisStream::status_name(i), life_->buffers.unfit(i)});

@@ -5,6 +5,7 @@
 #include <arv.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "acquisition/aravis_ptp.hpp"
 #include "core/error.hpp"
@@ -38,6 +39,22 @@ class Writer {
   const std::string& name_;
 };
 
+// "Action1" listens to action commands by selector 1.
+void write_action(Writer& writer, const AravisSettings& s) {
+  const auto set = [&](const char* feature, std::int64_t value) {
+    writer.write("trigger = " + s.trigger + " (" + feature + ")",
+                 [&](ArvCamera* camera, GError** error) { arv_camera_set_integer(camera, feature, value, error); });
+  };
+  set("ActionDeviceKey", s.action_device_key);
+  set("ActionSelector", std::strtoll(s.trigger.c_str() + s.trigger.find_first_of("0123456789"), nullptr, 10));
+  set("ActionGroupKey", s.action_group_key);
+  set("ActionGroupMask", s.action_group_mask);
+}
+
+bool is_action(const std::string& trigger) {
+  return trigger.rfind("Action", 0) == 0 && trigger.find_first_of("0123456789") != std::string::npos;
+}
+
 void write_settings(Writer& writer, const AravisSettings& s) {
   writer.write("pixel_format = " + s.pixel_format, [&](ArvCamera* camera, GError** error) {
     arv_camera_set_pixel_format_from_string(camera, s.pixel_format.c_str(), error);
@@ -57,6 +74,7 @@ void write_settings(Writer& writer, const AravisSettings& s) {
     });
   if (s.gain >= 0)
     writer.write("gain", [&](ArvCamera* camera, GError** error) { arv_camera_set_gain(camera, s.gain, error); });
+  if (is_action(s.trigger)) write_action(writer, s);
   if (s.trigger != "off") {
     const std::string source = s.trigger == "software" ? "Software" : s.trigger;
     writer.write("trigger = " + s.trigger,

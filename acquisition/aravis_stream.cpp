@@ -135,15 +135,27 @@ void AravisStream::refuse(ArvBuffer* buffer, std::size_t status) noexcept {
 }
 
 // The camera counts anew. What it took while it was gone, if anything, nobody knows: what the clock says was due.
-void AravisStream::end_outage(std::int64_t now_ns) noexcept {
+void AravisStream::end_outage(ArvBuffer* first, std::int64_t now_ns) noexcept {
   const std::int64_t away_ns = now_ns - last_frame_ns_;
   const std::int64_t due = period_ns_ > 0 ? (away_ns + period_ns_ / 2) / period_ns_ - 1 : 0;
   const std::uint64_t missed = std::max<std::int64_t>(due - static_cast<std::int64_t>(torn_since_), 0);
   counter_.reopen(torn_since_ + missed);
   if (missed > 0) sink_->lose(camera_, LossCause::source_outage, missed);
-  outages_.fetch_add(1, std::memory_order_relaxed);
   outage_ns_.fetch_add(away_ns, std::memory_order_relaxed);
+  outages_.fetch_add(1);  // odd: the event is being written
+  outage_frame_.store(counter_.index_of(arv_buffer_get_frame_id(first)));
+  outage_due_.store(missed);
+  last_outage_ns_.store(away_ns);
+  outages_.fetch_add(1);
   returns_ = false;
+}
+
+Outage AravisStream::last_outage() const noexcept {
+  for (;;) {
+    const std::uint64_t before = outages_.load();
+    const Outage last{before / 2, outage_frame_.load(), last_outage_ns_.load(), outage_due_.load()};
+    if (before % 2 == 0 && outages_.load() == before) return last;
+  }
 }
 
 void AravisStream::take(ArvStream* stream, ArvBuffer* buffer) noexcept {
@@ -154,7 +166,7 @@ void AravisStream::take(ArvStream* stream, ArvBuffer* buffer) noexcept {
   if (status == ARV_BUFFER_STATUS_SUCCESS && arv_buffer_get_frame_id(buffer) == kUnfilled)
     return refuse(buffer, ARV_BUFFER_STATUS_CLEARED);
   if (status != ARV_BUFFER_STATUS_SUCCESS || bytes != payload_bytes_) return refuse(buffer, status);
-  if (returns_) end_outage(now_ns);
+  if (returns_) end_outage(buffer, now_ns);
   last_frame_ns_ = now_ns;
   torn_since_ = 0;
   Frame frame;

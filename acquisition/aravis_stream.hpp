@@ -45,7 +45,7 @@ class AravisStream {
   std::uint64_t unfit(std::size_t status) const noexcept { return unfit_[status].load(std::memory_order_relaxed); }
   static constexpr std::size_t kStatuses = 9;  ///< as in ArvBufferStatus; 0: complete but of another size
   static const char* status_name(std::size_t status) noexcept;
-  std::uint64_t outages() const noexcept { return outages_.load(std::memory_order_relaxed); }
+  Outage last_outage() const noexcept;
   std::int64_t outage_ns() const noexcept { return outage_ns_.load(std::memory_order_relaxed); }  ///< of all together
   bool priority_refused() const noexcept { return priority_refused_.load(std::memory_order_relaxed); }
 
@@ -58,7 +58,7 @@ class AravisStream {
   FrameLease take_slot(const void* data) noexcept;
   void take(ArvStream* stream, ArvBuffer* buffer) noexcept;
   void refuse(ArvBuffer* buffer, std::size_t status) noexcept;
-  void end_outage(std::int64_t now_ns) noexcept;
+  void end_outage(ArvBuffer* first, std::int64_t now_ns) noexcept;
   void make_buffers();
   void lend_slots(ArvStream* stream);
   void lend_buffers(ArvStream* stream);
@@ -84,7 +84,9 @@ class AravisStream {
   std::atomic<ArvStream*> stream_{nullptr};
   std::atomic<std::uint64_t> delivered_{0};
   std::array<std::atomic<std::uint64_t>, kStatuses> unfit_{};
-  std::atomic<std::uint64_t> outages_{0};
+  // The last outage; twice its number, odd while it is written, as there is one writer.
+  std::atomic<std::uint64_t> outages_{0}, outage_frame_{0}, outage_due_{0};
+  std::atomic<std::int64_t> last_outage_ns_{0};
   std::atomic<std::int64_t> outage_ns_{0};
   std::atomic<bool> priority_refused_{false};
 };

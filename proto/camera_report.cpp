@@ -22,6 +22,11 @@ void write_camera(const CameraReport& report, rapidptv::Camera& message) {
     entry.set_name(counter.name);
     entry.set_count(counter.count);
   }
+  if (const Outage& outage = report.device.last_outage; outage.number > 0) {
+    auto& entry = *message.mutable_last_outage();
+    entry.set_number(outage.number), entry.set_first_frame(outage.first_frame);
+    entry.set_duration_ns(static_cast<std::uint64_t>(outage.duration_ns)), entry.set_frames_due(outage.frames_due);
+  }
   if (!report.clock.valid) return;
   auto& clock = *message.mutable_clock();
   clock.set_offset_ns(report.clock.offset_ns);
@@ -38,6 +43,9 @@ CameraReport read_camera(const rapidptv::Camera& message) {
   device.device = message.device(), device.link = message.link(), device.problem = message.problem();
   device.sessions = message.sessions();
   for (const auto& counter : message.counters()) device.counters.push_back({counter.name(), counter.count()});
+  const auto& outage = message.last_outage();
+  device.last_outage = {outage.number(), outage.first_frame(), static_cast<std::int64_t>(outage.duration_ns()),
+                        outage.frames_due()};
   report.clock = {message.has_clock(), message.clock().offset_ns(), message.clock().drift_ppm(),
                   message.clock().restarts()};
   return report;
@@ -51,11 +59,15 @@ std::string to_json(const CameraReport& report) {
   if (report.clock.valid)
     clock = fmt::format(R"({{"offset_ns":{},"drift_ppm":{},"restarts":{}}})", report.clock.offset_ns,
                         json_number(report.clock.drift_ppm), report.clock.restarts);
+  std::string outage = "null";
+  if (const Outage& last = report.device.last_outage; last.number > 0)
+    outage = fmt::format(R"({{"number":{},"first_frame":{},"duration_ns":{},"frames_due":{}}})", last.number,
+                         last.first_frame, last.duration_ns, last.frames_due);
   return fmt::format(
-      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{}}})",
+      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"last_outage":{}}})",
       json_string(report.name), json_string(name_of(report.device.state)), json_string(report.device.device),
       json_string(report.device.link), json_string(report.device.problem), report.device.sessions, report.delivered,
-      counters, clock);
+      counters, clock, outage);
 }
 
 std::string to_line(const CameraReport& report) {
@@ -64,6 +76,9 @@ std::string to_line(const CameraReport& report) {
   if (device.sessions > 1) line += fmt::format(", opened {} times", device.sessions);
   for (const DeviceCounter& counter : device.counters)
     if (counter.count != 0) line += fmt::format(", {} {}", counter.name, counter.count);
+  if (device.last_outage.number > 0)
+    line += fmt::format(", gone for {:.1f} s until frame {}",
+                        static_cast<double>(device.last_outage.duration_ns) * 1e-9, device.last_outage.first_frame);
   if (report.clock.valid && report.clock.restarts > 0)
     line += fmt::format(", its clock jumped {} times", report.clock.restarts);
   if (!device.link.empty()) line += "; " + device.link;

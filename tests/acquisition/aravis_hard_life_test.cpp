@@ -101,6 +101,11 @@ TEST(AravisHardLife, counts_what_an_outage_cost_apart_from_what_is_known) {
   camera->kill();
   camera = std::make_unique<CameraProcess>("127.0.21.2", 2);
   ASSERT_TRUE(streams_in_session(rig, 2, 1)) << rig.status().problem;
+  const Outage outage = rig.status().last_outage;
+  EXPECT_EQ(outage.number, 1U);
+  EXPECT_EQ(outage.first_frame, rig.received().newest_index);
+  EXPECT_EQ(outage.frames_due, rig.estimated());
+  EXPECT_GT(outage.duration_ns, 0);
   const auto counter = [&](const std::string& name) {
     for (const DeviceCounter& one : rig.status().counters)
       if (one.name == name) return one.count;

@@ -4,9 +4,11 @@
 
 #include <memory>
 
+#include "core/descriptor.hpp"
 #include "core/error.hpp"
 #include "tests/acquisition/aravis_rig.hpp"
 #include "tests/acquisition/gvsp_device.hpp"
+#include "tests/acquisition/gvsp_wire.hpp"
 
 namespace rptv {
 namespace {
@@ -106,6 +108,39 @@ TEST(AravisSource, sets_the_camera_clock_by_ptp_and_reports_its_offset) {
   ASSERT_TRUE(rig.take_until([&] { return rig.received().images >= 20; })) << rig.status().problem;
   EXPECT_EQ(rig.received().clock, ClockId::ptp);
   EXPECT_NE(rig.status().link.find(", PTP Slave, offset -120 ns"), std::string::npos) << rig.status().link;
+}
+
+/// GVCP's action command, as a timing controller sends it.
+void send_action(const std::string& address, std::uint32_t device_key, std::uint32_t group_key, std::uint32_t mask) {
+  std::uint8_t command[20] = {0x42, 0x00, 0x01, 0x00, 0x00, 0x0c, 0x00, 0x01};
+  put32(command + 8, device_key);
+  put32(command + 12, group_key);
+  put32(command + 16, mask);
+  const Descriptor sender(bound_socket("127.0.0.1", 0));
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(kGvcpPort);
+  inet_pton(AF_INET, address.c_str(), &to.sin_addr);
+  sendto(sender.get(), command, sizeof command, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+}
+
+TEST(AravisSource, takes_an_image_for_each_action_command_with_its_keys) {
+  GvspDevice device("127.0.20.13", {});
+  AravisSettings settings = settings_for("127.0.20.13");
+  settings.trigger = "Action1";
+  settings.action_device_key = 0xCAFE0001;
+  settings.action_group_key = 7;
+  settings.action_group_mask = 6;
+  Rig rig(settings);
+  ASSERT_TRUE(rig.take_until([&] { return rig.status().state == DeviceState::streaming; })) << rig.status().problem;
+  for (std::uint64_t image = 1; image <= 5; ++image) {
+    send_action("127.0.20.13", 0xCAFE0002, 7, 2);
+    send_action("127.0.20.13", 0xCAFE0001, 8, 2);
+    send_action("127.0.20.13", 0xCAFE0001, 7, 1);
+    send_action("127.0.20.13", 0xCAFE0001, 7, 2);
+    EXPECT_TRUE(rig.take_until([&] { return rig.received().newest == image; })) << image;
+  }
+  EXPECT_EQ(device.truth().sent, 5U);
 }
 
 TEST(AravisSource, says_that_no_ptp_master_answers) {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "tests/acquisition/gvsp_device.hpp"
+#include "tests/acquisition/gvsp_registers.hpp"
 #include "tests/acquisition/gvsp_wire.hpp"
 
 namespace rptv {
@@ -18,6 +19,9 @@ bool GvspDevice::obey(std::uint16_t command, const std::uint8_t* request, std::s
       return arv_fake_camera_read_memory(registers_, 0, 0xf8, reply);
     case 0x0040:
       if (size >= 20 && faults_.answers_resend) resend(request);
+      return false;
+    case 0x0100:  // action
+      if (size >= 20 && is_for_us(request + 8)) ++pulled_;
       return false;
     case 0x0080:  // read registers
       for (std::size_t i = 0; i + 4 <= size - 8; i += 4, length += 4) put32(reply + i, reg(get32(request + 8 + i)));
@@ -45,6 +49,12 @@ bool GvspDevice::obey(std::uint16_t command, const std::uint8_t* request, std::s
     default:
       return false;
   }
+}
+
+bool GvspDevice::is_for_us(const std::uint8_t* action) {
+  return reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0 && reg(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE) == 2 &&
+         get32(action) == reg(kActionDeviceKey) && get32(action + 4) == reg(kActionGroupKey) &&
+         (get32(action + 8) & reg(kActionGroupMask)) != 0;
 }
 
 void GvspDevice::answer(int descriptor) {

@@ -52,8 +52,9 @@ void GvspDevice::run() {
   std::int64_t due_ns = host_now_ns();
   while (!stop_) {
     if (rest_ && !rests_.exchange(true)) rested_.notify();
-    const bool acquires = !rests_ && reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0 &&
-                          reg(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE) == 0;  // no trigger is ever pulled here
+    for (; pulled_ > 0; --pulled_) send_image();
+    const bool acquires =
+        !rests_ && reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0 && reg(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE) == 0;
     follow_master();
     const std::int64_t now_ns = host_now_ns();
     if (!acquires) due_ns = now_ns;

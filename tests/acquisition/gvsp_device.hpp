@@ -57,6 +57,7 @@ class GvspDevice {
             std::size_t& length);
   void resend(const std::uint8_t* request);
   void follow_master();
+  bool is_for_us(const std::uint8_t* action);
   void send_image();
   void send_stray(std::uint16_t id);
   void send(const std::vector<std::uint8_t>& packet);
@@ -76,6 +77,7 @@ class GvspDevice {
   const std::uint64_t last_sequence_;
   std::atomic<bool> stop_{false}, rest_{false}, rests_{false};
   Wake rested_;
+  std::uint64_t pulled_ = 0;  // triggers, not yet answered with an image
   std::thread thread_;
 };
 
