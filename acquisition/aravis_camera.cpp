@@ -1,171 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The supervising thread of a camera: it opens what was lost, sets it up again and starts it.
+// Start, stop and status of a camera, from outside its threads.
 #include "acquisition/aravis_camera.hpp"
 
 #include <arv.h>
 #include <pthread.h>
 
-#include <algorithm>
-#include <atomic>
-#include <mutex>
-#include <optional>
-#include <thread>
-
-#include "acquisition/aravis_setup.hpp"
-#include "acquisition/aravis_stream.hpp"
-#include "core/clock.hpp"
-#include "core/error.hpp"
-#include "core/wake.hpp"
+#include "acquisition/aravis_life.hpp"
 
 namespace rptv {
-namespace {
-
-constexpr std::int64_t kRetry_ns = 300'000'000;
-constexpr std::int64_t kLook_ns = 1'000'000'000;  // how often the wait looks up although nothing was told
-constexpr int kSocketBuffer = 8 << 20;
-
-void on_event(void* stream, ArvStreamCallbackType type, ArvBuffer*) noexcept {
-  if (type == ARV_STREAM_CALLBACK_TYPE_INIT) static_cast<AravisStream*>(stream)->enter();
-  if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE) static_cast<AravisStream*>(stream)->done();
-}
-
-}  // namespace
-
-struct AravisCamera::Life {
-  const AravisSettings settings;
-  const std::string name;
-  CameraHandle camera;
-  AravisSetup setup;
-  AravisStream buffers;
-  StreamHandle stream;  // guarded by `mutex` when it changes and when status() reads it
-  std::atomic<bool> lost{false}, stopping{false};
-  Wake wake;
-  std::thread thread;
-  mutable std::mutex mutex;
-  DeviceStatus status;
-  std::vector<DeviceCounter> past;  // what the streams of earlier sessions counted
-
-  Life(const AravisSettings& s, const std::string& n, std::uint32_t number, std::size_t pool_frames)
-      : settings(s),
-        name(n),
-        camera(open_camera(n)),
-        setup(set_up_camera(camera.get(), n, s)),
-        buffers(number, setup.shape, *setup.format, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32),
-                s.thread_priority, setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {
-    status.device = setup.device;
-  }
-
-  void tell(DeviceState state, std::string problem) {
-    const std::lock_guard lock(mutex);
-    status.state = state;
-    status.problem = std::move(problem);
-  }
-
-  bool wait(std::int64_t timeout_ns) noexcept {
-    const std::int64_t deadline_ns = host_now_ns() + timeout_ns;
-    for (;;) {
-      const std::uint32_t seen = wake.prepare();
-      const std::int64_t left_ns = deadline_ns - host_now_ns();
-      if (stopping || lost || left_ns <= 0) return !stopping;
-      wake.wait(seen, left_ns);
-    }
-  }
-
-  void open_again() {
-    camera = open_camera(name);
-    const AravisSetup now = set_up_camera(camera.get(), name, settings);
-    if (now.shape != setup.shape)
-      throw Error(ExitCode::configuration, "camera " + name + " came back with another image size; restart rapidptv");
-    setup = now;
-  }
-
-  static void on_lost(ArvDevice*, gpointer self) {
-    auto* life = static_cast<Life*>(self);
-    life->lost = true;
-    life->wake.notify();
-  }
-
-  void begin_session(FrameSink& sink);
-  void end_session() noexcept;
-  void supervise(FrameSink& sink) noexcept;
-};
-
-void AravisCamera::Life::begin_session(FrameSink& sink) {
-  ArvFailure failure;
-  StreamHandle made(arv_camera_create_stream(camera.get(), &on_event, &buffers, failure.out()));
-  if (!made)
-    throw Error(ExitCode::unavailable, "camera " + name + " gives no stream (" + failure.text() +
-                                           "); close the other program that controls it");
-  if (ARV_IS_GV_STREAM(made.get())) {
-    const int bytes = settings.socket_buffer_bytes > 0 ? static_cast<int>(settings.socket_buffer_bytes) : kSocketBuffer;
-    g_object_set(
-        made.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", bytes, "packet-resend",
-        settings.packet_resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
-  }
-  lost = false;
-  g_signal_connect(arv_camera_get_device(camera.get()), "control-lost", G_CALLBACK(&Life::on_lost), this);
-  const std::int64_t last_ns = buffers.last_frame_ns();
-  const std::int64_t away_ns = last_ns == 0 || setup.period_ns == 0 ? 0 : host_now_ns() - last_ns;
-  const std::int64_t missed = setup.period_ns == 0 ? 0 : away_ns / setup.period_ns;
-  {
-    const std::lock_guard lock(mutex);
-    stream = std::move(made);
-    status.link = std::string(setup.format->name) + " " + std::to_string(setup.shape.width_px) + " x " +
-                  std::to_string(setup.shape.height_px) + " px, packets of " + std::to_string(setup.packet_size) +
-                  " bytes" + (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
-                  (buffers.priority_refused() ? ", real-time priority refused" : "");
-  }
-  buffers.begin(stream.get(), sink, static_cast<std::uint64_t>(missed));
-  arv_camera_start_acquisition(camera.get(), failure.out());
-  if (failure) throw Error(ExitCode::unavailable, "camera " + name + " does not start (" + failure.text() + ")");
-  const std::lock_guard lock(mutex);
-  ++status.sessions;
-  status.state = DeviceState::streaming;
-  status.problem.clear();
-}
-
-void AravisCamera::Life::end_session() noexcept {
-  ArvFailure ignored;
-  if (camera && stream && !lost) arv_camera_stop_acquisition(camera.get(), ignored.out());
-  StreamHandle old;
-  {
-    const std::lock_guard lock(mutex);
-    old = std::move(stream);
-    if (old)
-      for (guint i = 0; i < arv_stream_get_n_infos(old.get()); ++i) {
-        if (arv_stream_get_info_type(old.get(), i) != G_TYPE_UINT64) continue;
-        if (past.size() <= i) past.resize(i + 1);
-        past[i].count += arv_stream_get_info_uint64(old.get(), i);
-      }
-  }
-  old.reset();  // joins the receiving thread
-  if (camera)
-    g_signal_handlers_disconnect_by_func(arv_camera_get_device(camera.get()),
-                                         reinterpret_cast<gpointer>(reinterpret_cast<void (*)()>(&Life::on_lost)),
-                                         this);
-  camera.reset();
-}
-
-void AravisCamera::Life::supervise(FrameSink& sink) noexcept {
-  while (!stopping) {
-    try {
-      if (!camera) open_again();
-      begin_session(sink);
-      while (!lost && wait(kLook_ns)) continue;
-      if (!stopping)
-        tell(DeviceState::lost, "camera " + name + " stopped answering; it is opened again: check cable and power");
-      end_session();
-      lost = false;
-    } catch (const std::exception& error) {
-      tell(DeviceState::lost, error.what());
-      end_session();
-      lost = false;
-      wait(kRetry_ns);
-    }
-  }
-  buffers.end();
-  tell(DeviceState::stopped, "");
-}
 
 AravisCamera::AravisCamera(const AravisSettings& settings, const std::string& name, std::uint32_t number,
                            std::size_t pool_frames)
@@ -186,16 +28,25 @@ void AravisCamera::start(FrameSink& sink) {
   pthread_setname_np(life_->thread.native_handle(), "rptv-camera");
 }
 
-void AravisCamera::stop() noexcept {
+void AravisCamera::ask_to_stop() noexcept {
   life_->stopping = true;
+  life_->buffers.leave();
   life_->wake.notify();
+}
+
+void AravisCamera::stop() noexcept {
+  ask_to_stop();
   if (life_->thread.joinable()) life_->thread.join();
 }
 
 DeviceStatus AravisCamera::status() const {
   const std::lock_guard lock(life_->mutex);
   DeviceStatus now = life_->status;
+  now.link += life_->ptp;
   now.counters.push_back({"delivered", life_->buffers.delivered()});
+  now.last_outage = life_->buffers.last_outage();
+  now.counters.push_back({"outages", now.last_outage.number});
+  now.counters.push_back({"outage_ms", static_cast<std::uint64_t>(life_->buffers.outage_ns() / 1'000'000)});
   for (std::size_t i = 0; i < AravisStream::kStatuses; ++i)
     now.counters.push_back({std::string("unfit_") + AravisStream::status_name(i), life_->buffers.unfit(i)});
   ArvStream* stream = life_->stream.get();

@@ -21,6 +21,8 @@ class AravisCamera {
   CameraInfo info() const;
   std::int64_t period_ns() const noexcept;
   void start(FrameSink& sink);
+  void ask_to_stop() noexcept;
+  /// Takes up to 6 s when the camera is gone.
   void stop() noexcept;
   DeviceStatus status() const;
 

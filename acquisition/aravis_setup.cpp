@@ -5,7 +5,9 @@
 #include <arv.h>
 
 #include <cmath>
+#include <cstdlib>
 
+#include "acquisition/aravis_ptp.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -37,6 +39,22 @@ class Writer {
   const std::string& name_;
 };
 
+// "Action1" listens to action commands by selector 1.
+void write_action(Writer& writer, const AravisSettings& s) {
+  const auto set = [&](const char* feature, std::int64_t value) {
+    writer.write("trigger = " + s.trigger + " (" + feature + ")",
+                 [&](ArvCamera* camera, GError** error) { arv_camera_set_integer(camera, feature, value, error); });
+  };
+  set("ActionDeviceKey", s.action_device_key);
+  set("ActionSelector", std::strtoll(s.trigger.c_str() + s.trigger.find_first_of("0123456789"), nullptr, 10));
+  set("ActionGroupKey", s.action_group_key);
+  set("ActionGroupMask", s.action_group_mask);
+}
+
+bool is_action(const std::string& trigger) {
+  return trigger.rfind("Action", 0) == 0 && trigger.find_first_of("0123456789") != std::string::npos;
+}
+
 void write_settings(Writer& writer, const AravisSettings& s) {
   writer.write("pixel_format = " + s.pixel_format, [&](ArvCamera* camera, GError** error) {
     arv_camera_set_pixel_format_from_string(camera, s.pixel_format.c_str(), error);
@@ -56,6 +74,7 @@ void write_settings(Writer& writer, const AravisSettings& s) {
     });
   if (s.gain >= 0)
     writer.write("gain", [&](ArvCamera* camera, GError** error) { arv_camera_set_gain(camera, s.gain, error); });
+  if (is_action(s.trigger)) write_action(writer, s);
   if (s.trigger != "off") {
     const std::string source = s.trigger == "software" ? "Software" : s.trigger;
     writer.write("trigger = " + s.trigger,
@@ -81,9 +100,25 @@ void set_packets(Writer& writer, ArvCamera* camera, const AravisSettings& s) {
   arv_camera_gv_auto_packet_size(camera, ignored.out());
 }
 
+std::string address_of(ArvCamera* camera) {
+  GSocketAddress* address = arv_gv_device_get_device_address(ARV_GV_DEVICE(arv_camera_get_device(camera)));
+  char* text = g_inet_address_to_string(g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address)));
+  std::string dotted = text;
+  g_free(text);
+  return dotted;
+}
+
 std::string text_of(const char* text) { return text == nullptr ? "?" : text; }
 
 }  // namespace
+
+std::string AravisSetup::text() const {
+  std::string all = std::string(format->name) + " " + std::to_string(shape.width_px) + " x " +
+                    std::to_string(shape.height_px) + " px";
+  if (exposure_us > 0) all += ", exposure " + std::to_string(std::llround(exposure_us)) + " us";
+  if (packet_size > 0) all += ", packets of " + std::to_string(packet_size) + " bytes";
+  return all;
+}
 
 CameraHandle open_camera(const std::string& name) {
   ArvFailure failure;
@@ -102,7 +137,9 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
     throw Error(ExitCode::unavailable, "camera " + name + " is controlled by another program; close the other program");
   setup.device = text_of(arv_camera_get_vendor_name(camera, ignored.out())) + " " +
                  text_of(arv_camera_get_model_name(camera, ignored.out())) + " " +
-                 text_of(arv_camera_get_device_serial_number(camera, ignored.out())) + " at " + name;
+                 text_of(arv_camera_get_device_serial_number(camera, ignored.out()));
+  if (arv_camera_is_gv_device(camera)) setup.address = address_of(camera);
+  setup.device += " at " + (setup.address.empty() ? name : setup.address);
   if (settings.ownership == "host")
     write_settings(writer, settings);
   else if (!settings.user_set.empty())
@@ -110,6 +147,7 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
       arv_camera_set_string(c, "UserSetSelector", settings.user_set.c_str(), error);
       if (error == nullptr || *error == nullptr) arv_camera_execute_command(c, "UserSetLoad", error);
     });
+  if (settings.ptp) enable_ptp(camera, name);
   if (arv_camera_is_gv_device(camera)) {
     set_packets(writer, camera, settings);
     setup.packet_size = arv_camera_gv_get_packet_size(camera, ignored.out());
@@ -139,6 +177,7 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
     throw Error(ExitCode::configuration, "camera " + name + " sends " + std::to_string(setup.payload_bytes) +
                                              " bytes per image where " + std::to_string(expected_bytes) +
                                              " are expected; switch its chunk data and line padding off");
+  setup.exposure_us = arv_camera_get_exposure_time(camera, ignored.out());
   const double rate_hz = arv_camera_get_frame_rate(camera, ignored.out());
   if (!ignored && settings.trigger == "off" && std::isfinite(rate_hz) && rate_hz > 0)
     setup.period_ns = static_cast<std::int64_t>(1e9 / rate_hz);

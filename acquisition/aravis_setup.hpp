@@ -14,13 +14,16 @@ namespace rptv {
 
 /// What an opened camera is and will send.
 struct AravisSetup {
-  std::string device;  ///< vendor, model, serial, name it was opened by
+  std::string device;   ///< vendor, model, serial, address or name it was opened by
+  std::string address;  ///< of a GigE Vision camera, dotted; else empty
   const PixelFormat* format = nullptr;
   ImageShape shape;
   std::size_t payload_bytes = 0;
   std::int64_t period_ns = 0;     ///< 0: unknown or triggered
   std::uint32_t packet_size = 0;  ///< 0: not GigE Vision
+  double exposure_us = 0;         ///< 0: the camera does not say
   bool wide_ids = false;
+  std::string text() const;  ///< "Mono8 1920 x 1200 px, exposure 500 us, packets of 8228 bytes"
 };
 
 /// Opening an absent camera blocks for 2.5 s. Throws Error(unavailable) when it is absent or does not answer.

@@ -29,6 +29,7 @@ void AravisSource::start(FrameSink& sink) {
 }
 
 void AravisSource::stop() noexcept {
+  for (auto& camera : cameras_) camera->ask_to_stop();  // so that they wait for absent cameras at the same time
   for (auto& camera : cameras_) camera->stop();
 }
 

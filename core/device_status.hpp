@@ -31,6 +31,15 @@ struct DeviceCounter {
   std::uint64_t count = 0;
 };
 
+/// The device was gone for a while: an event, which a reader that comes late still finds.
+struct Outage {
+  std::uint64_t number = 0;       ///< counts from 1; 0: none so far
+  std::uint64_t first_frame = 0;  ///< index of the first frame afterwards
+  std::int64_t duration_ns = 0;   ///< from the last frame before to that one
+  std::uint64_t frames_due = 0;   ///< by the frame period, as counted under `source_outage`
+  bool operator==(const Outage&) const = default;
+};
+
 struct DeviceStatus {
   DeviceState state = DeviceState::stopped;
   std::string device;          ///< vendor, model, serial and address, as far as they are known
@@ -38,6 +47,7 @@ struct DeviceStatus {
   std::string problem;         ///< one line with the next step; empty while all is well
   std::uint64_t sessions = 0;  ///< times that it was opened and started
   std::vector<DeviceCounter> counters;
+  Outage last_outage;
 };
 
 }  // namespace rptv

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "core/huge_pages.hpp"
 
 namespace rptv {
 
@@ -29,7 +30,7 @@ std::byte* allocate(std::size_t slots, std::size_t bytes_per_slot) {
       static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* memory = nullptr;
   if (stride != 0 && slots <= memory_bytes / stride)
-    memory = std::aligned_alloc(FramePool::kAlignmentBytes, slots * stride);
+    memory = allocate_in_huge_pages(slots * stride, FramePool::kAlignmentBytes);
   if (memory == nullptr)
     throw Error(ExitCode::unavailable, "no memory for " + size + " (this machine has " +
                                            std::to_string(memory_bytes >> 20) + " MiB); lower pool_frames");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Memory for tables that are read all over: in pages of 2 MiB where the system has them.
+// Memory that is read all over, or by the MiB: in pages of 2 MiB where the system has them.
 #pragma once
 
 #include <sys/mman.h>
@@ -10,23 +10,30 @@
 
 namespace rptv {
 
-/// An allocator for vectors. Small pages would cost a walk through the page table at almost every look into a table of
-/// tens of MiB. Only advice: without huge pages everything works the same. Throws std::bad_alloc.
+/// At least `bytes`, aligned to at least `alignment`; null when there is no memory. For std::free(). An image or a
+/// table of some MiB lies on hundreds of small pages, and each costs a look-up in the page table. Huge pages are advice
+/// only: without them everything works the same.
+inline void* allocate_in_huge_pages(std::size_t bytes, std::size_t alignment) noexcept {
+  constexpr std::size_t kHuge = std::size_t{1} << 21;
+  const std::size_t page = bytes < kHuge ? alignment : kHuge;
+  bytes = (bytes + page - 1) / page * page;
+  void* memory = std::aligned_alloc(page, bytes);
+  if (memory != nullptr && page == kHuge) madvise(memory, bytes, MADV_HUGEPAGE);
+  return memory;
+}
+
+/// The same as an allocator for vectors. Throws std::bad_alloc.
 template <class T>
 struct HugePages {
   using value_type = T;
-  static constexpr std::size_t kPageBytes = std::size_t{1} << 21;
 
   HugePages() = default;
   template <class U>
   HugePages(const HugePages<U>&) noexcept {}
 
   T* allocate(std::size_t count) {
-    const std::size_t page = count * sizeof(T) < kPageBytes ? 64 : kPageBytes;
-    const std::size_t bytes = (count * sizeof(T) + page - 1) / page * page;
-    void* memory = std::aligned_alloc(page, bytes);
+    void* memory = allocate_in_huge_pages(count * sizeof(T), 64);
     if (memory == nullptr) throw std::bad_alloc();
-    if (page == kPageBytes) madvise(memory, bytes, MADV_HUGEPAGE);
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t) noexcept { std::free(memory); }

@@ -13,6 +13,7 @@ namespace rptv {
 /// Why something did not arrive. One name per cause, published with every status message.
 enum class LossCause : std::uint8_t {
   source_gap,         ///< frame index jumped: the camera, driver or recording never gave us these frames
+  source_outage,      ///< an estimate: frames that were due by the clock while the camera was gone
   source_duplicate,   ///< the same frame index came twice; the second was dropped
   source_torn,        ///< frame arrived incomplete
   pool_empty,         ///< no free frame slot: every lease was out
@@ -35,10 +36,10 @@ inline constexpr std::size_t kLossCauseCount = static_cast<std::size_t>(LossCaus
 
 constexpr std::string_view name_of(LossCause cause) noexcept {
   constexpr std::array<std::string_view, kLossCauseCount> kNames{
-      "source_gap",     "source_duplicate", "source_torn",    "pool_empty",        "superseded",
-      "over_bound",     "set_incomplete",   "set_stale",      "result_pool_empty", "particle_overflow",
-      "track_overflow", "publish_backlog",  "writer_backlog", "after_close",       "linking_cut",
-      "set_skew",       "set_untimed"};
+      "source_gap",        "source_outage",  "source_duplicate", "source_torn",    "pool_empty",
+      "superseded",        "over_bound",     "set_incomplete",   "set_stale",      "result_pool_empty",
+      "particle_overflow", "track_overflow", "publish_backlog",  "writer_backlog", "after_close",
+      "linking_cut",       "set_skew",       "set_untimed"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 

@@ -34,6 +34,11 @@ void write_camera(const CameraReport& report, rapidptv::Camera& message) {
     skew.set_p99_ns(report.skew.p99_ns);
     skew.set_max_ns(report.skew.max_ns);
   }
+  if (const Outage& outage = report.device.last_outage; outage.number > 0) {
+    auto& entry = *message.mutable_last_outage();
+    entry.set_number(outage.number), entry.set_first_frame(outage.first_frame);
+    entry.set_duration_ns(static_cast<std::uint64_t>(outage.duration_ns)), entry.set_frames_due(outage.frames_due);
+  }
   if (!report.clock.valid) return;
   auto& clock = *message.mutable_clock();
   clock.set_offset_ns(report.clock.offset_ns);
@@ -50,6 +55,9 @@ CameraReport read_camera(const rapidptv::Camera& message) {
   device.device = message.device(), device.link = message.link(), device.problem = message.problem();
   device.sessions = message.sessions();
   for (const auto& counter : message.counters()) device.counters.push_back({counter.name(), counter.count()});
+  const auto& outage = message.last_outage();
+  device.last_outage = {outage.number(), outage.first_frame(), static_cast<std::int64_t>(outage.duration_ns()),
+                        outage.frames_due()};
   report.clock = {message.has_clock(), message.clock().offset_ns(), message.clock().drift_ppm(),
                   message.clock().restarts()};
   report.skew = {message.skew().sets(), message.skew().p50_ns(), message.skew().p99_ns(), message.skew().max_ns()};
@@ -68,11 +76,15 @@ std::string to_json(const CameraReport& report) {
   if (report.skew.sets != 0)
     skew = fmt::format(R"({{"sets":{},"p50_ns":{},"p99_ns":{},"max_ns":{}}})", report.skew.sets, report.skew.p50_ns,
                        report.skew.p99_ns, report.skew.max_ns);
+  std::string outage = "null";
+  if (const Outage& last = report.device.last_outage; last.number > 0)
+    outage = fmt::format(R"({{"number":{},"first_frame":{},"duration_ns":{},"frames_due":{}}})", last.number,
+                         last.first_frame, last.duration_ns, last.frames_due);
   return fmt::format(
-      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"skew":{}}})",
+      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"last_outage":{},"skew":{}}})",
       json_string(report.name), json_string(name_of(report.device.state)), json_string(report.device.device),
       json_string(report.device.link), json_string(report.device.problem), report.device.sessions, report.delivered,
-      counters, clock, skew);
+      counters, clock, outage, skew);
 }
 
 std::string to_line(const CameraReport& report) {
@@ -81,6 +93,9 @@ std::string to_line(const CameraReport& report) {
   if (device.sessions > 1) line += fmt::format(", opened {} times", device.sessions);
   for (const DeviceCounter& counter : device.counters)
     if (counter.count != 0) line += fmt::format(", {} {}", counter.name, counter.count);
+  if (device.last_outage.number > 0)
+    line += fmt::format(", gone for {:.1f} s until frame {}",
+                        static_cast<double>(device.last_outage.duration_ns) * 1e-9, device.last_outage.first_frame);
   if (report.clock.valid && report.clock.restarts > 0)
     line += fmt::format(", its clock jumped {} times", report.clock.restarts);
   if (report.skew.sets != 0)

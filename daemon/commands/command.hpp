@@ -27,6 +27,7 @@ void add_info(CLI::App& app, Action& chosen);
 void add_tail(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
 void add_cameras(CLI::App& app, Action& chosen);
+void add_snapshot(CLI::App& app, Action& chosen);
 void add_doctor(CLI::App& app, Action& chosen);
 void add_bench(CLI::App& app, Action& chosen);
 

@@ -8,8 +8,9 @@
 
 #include "acquisition/aravis_source.hpp"
 #include "acquisition/intake.hpp"
-#include "acquisition/pixel_format.hpp"
-#include "tests/acquisition/gvsp_device.hpp"
+#include "core/clock.hpp"
+#include "tests/acquisition/gvsp_image.hpp"
+#include "tests/acquisition/payload.hpp"
 
 namespace rptv {
 
@@ -27,6 +28,7 @@ inline AravisSettings settings_for(const std::string& address) {
 /// What came: numbers of the images, and how many were not what the camera had sent.
 struct Received {
   std::uint64_t images = 0, wrong = 0, first = 0, newest = 0, first_index = 0, newest_index = 0;
+  ClockId clock = ClockId::nominal;  ///< of the newest
 };
 
 class Rig {
@@ -49,12 +51,20 @@ class Rig {
     return enough();
   }
   const Received& received() const { return received_; }
-  std::uint64_t lost() const { return intake_.losses(0).total(); }
+  /// Counted as lost, without what is only estimated.
+  std::uint64_t lost() const { return intake_.losses(0).total() - estimated(); }
+  std::uint64_t estimated() const { return intake_.losses(0).of(LossCause::source_outage); }
+  /// Images of which it is known what became of them.
+  std::uint64_t accounted() const { return received_.images + lost(); }
+  /// True once every image that was sent is accounted for. The camera must send no more.
+  bool settles_at(std::uint64_t sent) {
+    return take_until([&] { return accounted() >= sent; }) && accounted() == sent;
+  }
   DeviceStatus status(std::size_t camera = 0) const { return source_.device_status().at(camera); }
 
  private:
   void look(const Frame& frame) {
-    const std::vector<std::uint8_t> sent = as_sent(frame);
+    const std::vector<std::uint8_t> sent = payload_of(frame, format_);
     const std::uint64_t number = sequence_of(sent.data(), sent.size());
     received_.wrong += number <= received_.newest || frame.info.index <= received_.newest_index;
     if (received_.images++ == 0) {
@@ -63,27 +73,7 @@ class Rig {
     }
     received_.newest = number;
     received_.newest_index = frame.info.index;
-  }
-  /// The payload that makes this image.
-  std::vector<std::uint8_t> as_sent(const Frame& frame) const {
-    const std::uint8_t* bytes = frame.view().as_u8();
-    if (find_pixel_format(format_)->unpack == nullptr) return {bytes, bytes + frame.shape.bytes()};
-    const std::uint16_t* pixels = frame.view().as_u16();
-    const std::size_t count = frame.shape.bytes() / 2;
-    std::vector<std::uint8_t> sent;
-    if (format_ == "Mono12Packed") {
-      for (std::size_t i = 0; i < count; i += 2)
-        for (const int byte : {pixels[i] >> 4, (pixels[i] & 15) | (pixels[i + 1] & 15) << 4, pixels[i + 1] >> 4})
-          sent.push_back(static_cast<std::uint8_t>(byte));
-      return sent;
-    }
-    std::uint32_t bits = 0, held = 0;  // a stream, lowest bit first
-    for (std::size_t i = 0; i < count; ++i) {
-      bits |= std::uint32_t{pixels[i]} << held;
-      for (held += find_pixel_format(format_)->payload_bits; held >= 8; held -= 8, bits >>= 8)
-        sent.push_back(static_cast<std::uint8_t>(bits));
-    }
-    return sent;
+    received_.clock = frame.info.clock;
   }
 
   const std::string format_;

@@ -15,6 +15,7 @@
 
 #include "core/clock.hpp"
 #include "core/wake.hpp"
+#include "tests/acquisition/gvsp_truth.hpp"
 
 namespace rptv {
 
@@ -23,25 +24,24 @@ struct GvspFaults {
   bool answers_resend = true;
   std::uint16_t first_id = 1;
   std::uint32_t seed = 1;
+  double strays = 0;  ///< per image: a packet before it that belongs to no image
+  bool ptp_has_master = true;
 };
 
-/// Image `sequence`: the number itself in the first 8 bytes, then words made from it.
-void fill_image(std::uint8_t* image, std::size_t bytes, std::uint64_t sequence);
-/// The number, or 0 when any byte is wrong (numbers begin at 1).
-std::uint64_t sequence_of(const std::uint8_t* image, std::size_t bytes);
+struct GvspIdentity {
+  std::string serial = "SIM1";
+  std::uint64_t last_sequence = 0;  ///< image numbers begin after it
+};
 
 /// Runs from construction to destruction on a thread of its own, at GVCP's port of `address` (any of 127.x.y.z).
 class GvspDevice {
  public:
-  /// Throws std::runtime_error when the port is taken. Image numbers begin after `last_sequence`.
-  GvspDevice(std::string address, GvspFaults faults, std::uint64_t last_sequence = 0);
+  /// Throws std::runtime_error when the port is taken. Keeps its truth in `truth`, or in itself.
+  GvspDevice(std::string address, GvspFaults faults, GvspIdentity identity = {}, GvspTruth* truth = nullptr);
   ~GvspDevice();
-  /// Falls silent, as by a loss of power. Idempotent.
-  void stop();
-  /// Neither answers nor sends for so long, then goes on where it was.
-  void hang(std::int64_t ms);
-  std::uint64_t sent() const { return sequence_.load(); }  ///< number of the newest image
-  std::uint64_t resent() const { return resent_.load(); }
+  /// Sends the image under way to its end, and from then on only answers. Returns when that is so.
+  void rest();
+  const GvspTruth& truth() const { return truth_; }
 
  private:
   struct Image {
@@ -52,27 +52,32 @@ class GvspDevice {
     std::vector<std::uint8_t> bytes;
   };
   void run();
-  void hang_if_told();
-  void answer();
+  void answer(int descriptor);
   bool obey(std::uint16_t command, const std::uint8_t* request, std::size_t size, std::uint8_t* reply,
             std::size_t& length);
   void resend(const std::uint8_t* request);
+  void follow_master();
+  bool is_for_us(const std::uint8_t* action);
   void send_image();
+  void send_stray(std::uint16_t id);
+  void send(const std::vector<std::uint8_t>& packet);
   void send_packet(const Image& image, std::uint32_t packet);
   std::uint32_t reg(std::uint32_t address);
 
   const GvspFaults faults_;
+  GvspTruth own_truth_;
+  GvspTruth& truth_;
   ArvFakeCamera* registers_;
-  int control_ = -1, stream_ = -1;
+  int control_ = -1, stream_ = -1, discovery_ = -1;
   std::mt19937 random_;
   sockaddr_in peer_{};
   std::deque<Image> recent_;
   std::vector<std::uint8_t> held_;
   std::uint16_t next_id_;
-  std::atomic<std::uint64_t> sequence_, resent_{0};
-  std::atomic<bool> stop_{false};
-  Wake stopped_;
-  std::atomic<std::int64_t> hangs_until_ns_{0};
+  const std::uint64_t last_sequence_;
+  std::atomic<bool> stop_{false}, rest_{false}, rests_{false};
+  Wake rested_;
+  std::uint64_t pulled_ = 0;  // triggers, not yet answered with an image
   std::thread thread_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Registers and description of the test camera: Aravis' fake camera, with packed pixel formats added.
+// Registers and description of the test camera: Aravis' fake camera, with packed pixels, PTP and actions added.
 #pragma once
 
 #include <arv.h>
@@ -11,8 +11,35 @@
 
 namespace rptv {
 
+inline constexpr std::uint32_t kActionDeviceKey = 0x2010, kActionSelector = 0x2014, kActionGroupKey = 0x2018,
+                               kActionGroupMask = 0x201c;
+inline constexpr std::uint32_t kPtpEnable = 0x2000, kPtpStatus = 0x2004, kPtpOffset = 0x2008, kPtpLatch = 0x200c;
+
+/// A register of four bytes as the description has it.
+inline std::string register_node(const std::string& name, std::uint32_t address) {
+  return "<IntReg Name=\"" + name + "\"><Address>" + std::to_string(address) +
+         "</Address><Length>4</Length><AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Signed</Sign>"
+         "<Endianess>BigEndian</Endianess></IntReg>\n";
+}
+
+inline std::string ptp_nodes() {
+  return "<Boolean Name=\"PtpEnable\"><pValue>PtpEnableRegister</pValue></Boolean>\n"
+         "<Command Name=\"PtpDataSetLatch\"><pValue>PtpLatchRegister</pValue><CommandValue>1</CommandValue></Command>\n"
+         "<Enumeration Name=\"PtpStatus\"><EnumEntry Name=\"Disabled\"><Value>0</Value></EnumEntry>"
+         "<EnumEntry Name=\"Listening\"><Value>1</Value></EnumEntry><EnumEntry "
+         "Name=\"Slave\"><Value>2</Value></EnumEntry>"
+         "<pValue>PtpStatusRegister</pValue></Enumeration>\n" +
+         register_node("PtpEnableRegister", kPtpEnable) + register_node("PtpLatchRegister", kPtpLatch) +
+         register_node("PtpStatusRegister", kPtpStatus) + register_node("PtpOffsetFromMaster", kPtpOffset);
+}
+
+inline std::string action_nodes() {
+  return register_node("ActionDeviceKey", kActionDeviceKey) + register_node("ActionSelector", kActionSelector) +
+         register_node("ActionGroupKey", kActionGroupKey) + register_node("ActionGroupMask", kActionGroupMask);
+}
+
 /// The caller owns it.
-inline ArvFakeCamera* make_gvsp_registers() {
+inline ArvFakeCamera* make_gvsp_registers(const std::string& serial) {
   ArvFakeCamera* plain = arv_fake_camera_new("SIM0");
   gsize bytes = 0;
   const char* text = arv_fake_camera_get_genicam_xml(plain, &bytes);
@@ -24,8 +51,11 @@ inline ArvFakeCamera* make_gvsp_registers() {
     entries += std::string("<EnumEntry Name=\"") + name + "\" NameSpace=\"Standard\"><Value>" + std::to_string(code) +
                "</Value></EnumEntry>\n";
   xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
+  xml.insert(xml.find("<Port Name=\"Device\""), ptp_nodes() + action_nodes());
+  xml.insert(xml.find("<pValue>TriggerSourceRegister</pValue>"),
+             "<EnumEntry Name=\"Action1\" NameSpace=\"Standard\"><Value>2</Value></EnumEntry>\n");
   const Place place;
-  return arv_fake_camera_new_full("SIM1", place.write("camera.xml", xml).c_str());
+  return arv_fake_camera_new_full(serial.c_str(), place.write("camera.xml", xml).c_str());
 }
 
 }  // namespace rptv
