@@ -156,8 +156,11 @@ ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightF
   // Where the cone of light is less than two lenslets wide.
   if (f_number > 0) options.shallow_mm = 2 * calibration.pitch_mm() * f_number;
   options.pitch_mm = calibration.pitch_mm();
-  if (f_number > 0) options.slope_rms = 0.25 / f_number;
-  options.satellite_mm = calibration.pitch_mm() / 4;
+  if (f_number > 0) {
+    options.slope_rms = 0.25 / f_number;
+    options.subimage_px = calibration.lenslets.focal_length_mm / f_number / calibration.pixel_mm();
+  }
+  options.satellite_mm = std::max(calibration.pitch_mm() / 4, options.model.particle_radius_mm);
   options.least_share = settings.ghost_share;
   options.max_particles = explain.max_particles;
   options.threads = explain.threads;

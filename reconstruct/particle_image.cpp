@@ -90,7 +90,8 @@ ParticleView ImageModel::view_of(const ImagePoint& at) const noexcept {
   // Blur moves the half-light contour of a disc inwards by σ²/(2R).
   view.pupil_radius = static_cast<float>(radius - pupil_sigma * pupil_sigma / (2 * radius));
   view.pupil_edge = static_cast<float>(1 / (std::numbers::sqrt2 * pupil_sigma));
-  const double covariance = (finite ? particle_sigma * particle_sigma : 0) - slope_sigma_ * slope_sigma_ * at.z * to_pupil;
+  const double covariance =
+      (finite ? particle_sigma * particle_sigma : 0) - slope_sigma_ * slope_sigma_ * at.z * to_pupil;
   view.rim_pull = static_cast<float>(covariance / (std::numbers::sqrt2 * pupil_sigma));
   view.light_z = finite ? static_cast<float>(-2 / to_pupil) : 0.0F;
   view.light = static_cast<float>(pixel_mm_ * pixel_mm_ / slope_area);

@@ -23,9 +23,9 @@ struct ParticleView {
   float with_position;  ///< 1: the pupil is at a finite distance; 0: telecentric, the "pupil" is a disc of slopes
   float pupil_radius;   ///< of the half-light contour (telecentric: of the cone, as a slope)
   float pupil_edge;     ///< 1/(σ√2) of the pupil's border
-  float rim_pull;       ///< covariance of a ray's errors on the pupil and on the array, over σ√2 of the pupil's border
-  float light_z;        ///< d(light)/dz / light: light spreads over a smaller cone of slopes nearer to the pupil
-  float light;          ///< per point and unit of light, where neither border cuts
+  float rim_pull;  ///< covariance of a ray's errors on the pupil and on the array, over σ√2 of the pupil's border
+  float light_z;   ///< d(light)/dz / light: light spreads over a smaller cone of slopes nearer to the pupil
+  float light;     ///< per point and unit of light, where neither border cuts
 };
 
 /// Light and its derivatives with respect to the particle's x, y and z.

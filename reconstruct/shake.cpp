@@ -18,10 +18,11 @@ constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
 constexpr double kStillGain = 0.05;  // a step that promises to explain less χ² than this is not worth an image
 constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
 constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
-constexpr double kLeastGain = 30;   // χ² that a particle must explain: four parameters do not get there by noise
 // What no noise model knows: how well the model's borders between lenslets lie where the real ones are, in pitches.
-// Read off the ray-traced sets; nearer to the array, where the particle's own shape counts, up to three times as much.
-constexpr double kBorderError = 0.008, kBorderErrorShallow = 2;
+// Read off scenes traced without noise. Near the array few pixels of few lenslets show the depth, and what counts is
+// the particle's shape in them; far from it the many narrow pieces are blurred more than the model has it.
+constexpr double kBorderErrorNear = 1.7, kNear = 0.3;  // over squared pixels of a sub-image; in shallow depths
+constexpr double kBorderErrorFar = 0.0007;             // per squared shallow depth
 
 }  // namespace
 
@@ -109,7 +110,10 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
       fit(p, worker, sweep == 0 && number >= first_new);
     });
     if (sweep == 0) join_halves(particles);
-    if (sweep + 2 == options_.sweeps) mark_ghosts(particles);  // their neighbours have the last sweep to recover
+    if (sweep + 2 == options_.sweeps) {  // neighbours have the last sweep to recover
+      if (first_new > 0) drop_middles(particles);
+      mark_ghosts(particles);
+    }
   }
   mark_ghosts(particles);
   return drop_ghosts(particles);
@@ -149,11 +153,16 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   particle.gain = state.sums.gain;
   particle.seen =
       std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
-  const double depth = particle.at.z / options_.shallow_mm;
-  const double border_mm = options_.pitch_mm * kBorderError * (1 + kBorderErrorShallow / (1 + depth * depth));
+  const double border_mm = border_error_mm(particle.at.z);
   particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), border_mm, options_.slope_rms,
                                       column_of_.direction(particle.at));
   paint(image, particle.light);
+}
+
+double Shake::border_error_mm(double z_mm) const noexcept {
+  const double depth = std::abs(z_mm) / options_.shallow_mm;
+  const double near = kBorderErrorNear / (options_.subimage_px * options_.subimage_px);
+  return options_.pitch_mm * (near / (1 + std::pow(depth / kNear, 2)) + kBorderErrorFar * depth * depth);
 }
 
 // Levenberg-Marquardt; `worker.now` is the image of the state before and after.

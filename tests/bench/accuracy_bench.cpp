@@ -6,7 +6,6 @@
 #include <iomanip>
 #include <ostream>
 
-#include "reconstruct/light_field_volume.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/bench/light_field_scene.hpp"
 
@@ -42,14 +41,9 @@ void add_scene(const KnownScene& scene, Outcome& outcome) {
   Particles found(8192);
   light_field.reconstruct(scene.view(), found);
 
-  const LensletLattice lattice(scene.calibration);
-  const VoxelGrid grid = make_grid(settings, scene.calibration, 0.02);
-  const ShakeOptions shake =
-      make_shake_options(settings, scene.calibration,
-                         make_explain_options(settings, scene.calibration, grid, light_field.min_count()));
-  ImageModel model(scene.calibration, lattice, shake.model);
-  const auto bounds = cramer_rao_bounds(model, scene.truth, {shake.dark_noise_grey * shake.dark_noise_grey + 1.0 / 12,
-                                                             1 / shake.electrons_per_grey});
+  // Where the cone of light is less than two lenslets wide.
+  const double shallow_mm = 2 * scene.calibration.pitch_mm() * scene.calibration.lens.image_f_number;
+  const auto bounds = bounds_of(scene);
   const auto matches = match(found, scene);
   outcome.ghosts += found.size() - matches.size();
   outcome.truth += static_cast<std::size_t>(std::count(scene.in_view.begin(), scene.in_view.end(), 1));
@@ -59,7 +53,7 @@ void add_scene(const KnownScene& scene, Outcome& outcome) {
     const auto& at = scene.truth[m.truth].at;
     const auto& c = found.covariance_mm2[m.found];
     const auto& least = bounds[m.truth];
-    AxisSums& sums = std::abs(at.z) < shake.shallow_mm ? outcome.near : at.z < 0 ? outcome.behind : outcome.before;
+    AxisSums& sums = std::abs(at.z) < shallow_mm ? outcome.near : at.z < 0 ? outcome.behind : outcome.before;
     sums.add({found.x_mm[m.found] - at.x, found.y_mm[m.found] - at.y, found.z_mm[m.found] - at.z}, {c[0], c[3], c[5]},
              {least.xx, least.yy, least.zz});
   }
@@ -77,7 +71,8 @@ void print(std::ostream& out, const char* where, const AxisSums& sums) {
 }
 
 void print(std::ostream& out, const std::string& name, const Outcome& outcome) {
-  out << "  " << name << ": " << outcome.found << " of " << outcome.truth << " found, " << outcome.ghosts << " ghosts\n";
+  out << "  " << name << ": " << outcome.found << " of " << outcome.truth << " found, " << outcome.ghosts
+      << " ghosts\n";
   print(out, "before array", outcome.before);
   print(out, "near array", outcome.near);
   print(out, "behind array", outcome.behind);

@@ -19,12 +19,10 @@ struct Table {
   void (*print)(std::ostream&, const rptv::bench::LightFieldBenchOptions&);
 };
 
-constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
-                          {"classification", rptv::bench::bench_classification},
-                          {"lit_pixels", rptv::bench::bench_lit_pixels},
-                          {"frames", rptv::bench::bench_frames},
-                          {"baselines", rptv::bench::bench_baselines},
-                          {"accuracy", rptv::bench::bench_accuracy}};
+constexpr Table kTables[]{
+    {"counting", rptv::bench::bench_counting},     {"classification", rptv::bench::bench_classification},
+    {"lit_pixels", rptv::bench::bench_lit_pixels}, {"frames", rptv::bench::bench_frames},
+    {"baselines", rptv::bench::bench_baselines},   {"accuracy", rptv::bench::bench_accuracy}};
 
 // As the daemon runs: OpenMP's workers sleep between frames instead of spinning on the cores of others.
 void let_openmp_sleep(char** argv) {

@@ -3,6 +3,8 @@
 #include "tests/bench/light_field_scene.hpp"
 
 #include "core/csv.hpp"
+#include "reconstruct/light_field_volume.hpp"
+#include "reconstruct/pixels_to_rays.hpp"
 #include "simulation/render_light_field.hpp"
 #include "tests/calibration/traced_set.hpp"
 
@@ -11,6 +13,7 @@ namespace rptv::bench {
 namespace {
 
 constexpr double kLateralMm = 0.25, kDepthMm = 3;
+constexpr std::uint16_t kAnyCount = 3;
 
 KnownScene shared_scene(const std::string& set, const std::string& image, const LightFieldCalibration& calibration) {
   KnownScene scene;
@@ -37,8 +40,7 @@ KnownScene simulated_scene(const std::string& name, const ScenarioSettings& scen
   for (std::size_t i = 0; i < tracers.size(); ++i) {
     const auto at = renderer.optics().convergence(tracers[i].position);
     if (!at) continue;
-    scene.truth.push_back(
-        {{at->x, at->y, at->z}, renderer.lights()[i].photoelectrons / scenario.camera.gain_e_per_dn});
+    scene.truth.push_back({{at->x, at->y, at->z}, renderer.lights()[i].photoelectrons / scenario.camera.gain_e_per_dn});
     scene.in_view.push_back(renderer.lights()[i].in_view ? 1 : 0);
     low = std::min(low, at->z), high = std::max(high, at->z);
   }
@@ -94,6 +96,17 @@ ScenarioSettings random_scenario() {
   s.camera.width_px = s.camera.height_px = 1400, s.camera.pixel_um = 9;
   s.camera.gain_e_per_dn = 5, s.camera.read_noise_e = 2.5;
   return s;
+}
+
+std::vector<FitCovariance> bounds_of(const KnownScene& scene) {
+  const LensletLattice lattice(scene.calibration);
+  const PixelsToRays pixels_to_rays(scene.calibration, lattice, 1);
+  const VoxelGrid grid = make_grid(scene.settings, scene.calibration, pixels_to_rays.slope_half_range());
+  const ShakeOptions shake = make_shake_options(
+      scene.settings, scene.calibration, make_explain_options(scene.settings, scene.calibration, grid, kAnyCount));
+  ImageModel model(scene.calibration, lattice, shake.model);
+  return cramer_rao_bounds(model, scene.truth,
+                           {shake.dark_noise_grey * shake.dark_noise_grey + 1.0 / 12, 1 / shake.electrons_per_grey});
 }
 
 std::vector<KnownMatch> match(const Particles& found, const KnownScene& scene) {

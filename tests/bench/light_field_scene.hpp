@@ -38,6 +38,9 @@ std::optional<KnownScene> wall_scene(std::uint64_t frame);
 /// Small cameras with a thick lens and thin lenslets: the wall's optics, particles in random places of a cube.
 ScenarioSettings random_scenario();
 
+/// The Cramér-Rao bound of every true particle, with the model and the noise that refinement works with.
+std::vector<FitCovariance> bounds_of(const KnownScene& scene);
+
 /// A found particle and the true one that it is; one to one, nearest first, within two pitches aside and, deep enough
 /// for the wrong side of the array, 3 mm in depth.
 struct KnownMatch {
