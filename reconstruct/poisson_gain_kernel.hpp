@@ -23,10 +23,10 @@ RPTV_HOST_DEVICE_INLINE float log_of_positive(float x) noexcept {
          static_cast<float>(exponent) * 0.693147181F;
 }
 
-/// Twice the log-likelihood of `expected` over that of `without`, all three as variances of a grey value: that of a
-/// dark pixel plus the shot noise of the light that is seen, expected, or expected without a particle. Shot and read
-/// noise together are taken for Poisson noise of the same variance (the shifted Poisson model of Snyder et al., J. Opt.
-/// Soc. Am. A 12, 1995); in units of the squared variance per grey value. Its derivative is that of least squares with
+/// Twice the log-likelihood of `expected` over that of `without`, all as variances of a grey value: that of a dark
+/// pixel plus the shot noise of the light that is seen, expected, or expected without a particle. Shot and read noise
+/// together are taken for Poisson noise of the same variance (the shifted Poisson model of Snyder et al., J. Opt. Soc.
+/// Am. A 12, 1995); in units of the squared variance per grey value. The derivative is that of least squares with
 /// weights 1/expected, so it is what steps with such weights climb.
 RPTV_HOST_DEVICE_INLINE float poisson_gain(float seen, float expected, float without) noexcept {
   return 2 * (seen * log_of_positive(expected / without) - (expected - without));

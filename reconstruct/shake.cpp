@@ -18,6 +18,7 @@ constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
 constexpr double kStillGain = 0.05;  // a step that promises to explain less χ² than this is not worth an image
 constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
 constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
+constexpr float kMisfit = 0.1F;     // of the model of a particle's image: none is made of another's errors
 // What no noise model knows: how well the model's borders between lenslets lie where the real ones are, in pitches.
 // Read off scenes traced without noise. Near the array few pixels of few lenslets show the depth, and what counts is
 // the particle's shape in them; far from it the many narrow pieces are blurred more than the model has it.
@@ -61,7 +62,7 @@ Seen Shake::look(const ParticleImage& image, Worker& worker) const noexcept {
   }
   return {worker.grey.data(), worker.others.data(),
           static_cast<float>(options_.dark_noise_grey * options_.dark_noise_grey + 1.0 / 12),
-          static_cast<float>(1 / options_.electrons_per_grey)};
+          static_cast<float>(1 / options_.electrons_per_grey), kMisfit};
 }
 
 void Shake::paint(const ParticleImage& image, double light) noexcept {
@@ -109,7 +110,7 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
       if (number < first_new && sweep + 1 < options_.sweeps) return;  // they were settled before
       fit(p, worker, sweep == 0 && number >= first_new);
     });
-    if (sweep == 0) join_halves(particles);
+    if (sweep == 0 || sweep + 2 == options_.sweeps) join_halves(particles);
     if (sweep + 2 == options_.sweeps) {  // neighbours have the last sweep to recover
       if (first_new > 0) drop_middles(particles);
       mark_ghosts(particles);
@@ -151,6 +152,9 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   particle = state.particle;
   particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(image.size) - 4);
   particle.gain = state.sums.gain;
+  const auto pixels = static_cast<double>(image.size);  // noise leaves χ² pixels ± √(2·pixels)
+  const double left = state.sums.square - pixels - 3 * std::sqrt(2 * pixels);
+  particle.agreement = state.sums.gain > 0 ? state.sums.gain / (state.sums.gain + std::max(left, 0.0)) : 0;
   particle.seen =
       std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
   const double border_mm = border_error_mm(particle.at.z);
@@ -221,7 +225,7 @@ void Shake::mark_ghosts(std::span<FittedParticle> particles) noexcept {
   for (auto& p : particles) {
     const bool inside = p.at.z >= options_.lowest_z_mm && p.at.z <= options_.highest_z_mm;
     const bool real =
-        inside && p.light >= least && p.gain >= kLeastGain && p.seen >= kLeastSeen &&
+        inside && p.light * p.agreement >= least && p.gain >= kLeastGain && p.seen >= kLeastSeen &&
         std::none_of(particles.begin(), particles.end(), [&](const auto& q) { return is_satellite(p, q); });
     if (!(p.light > 0) || real) continue;
     if (worker.model.render(p.at, worker.now)) paint(worker.now, -p.light);

@@ -15,6 +15,7 @@ struct Seen {
   const float* others;      ///< light of the other particles
   float dark_variance;      ///< of a pixel without light, grey values squared
   float variance_per_grey;  ///< shot noise: 1/gain
+  float misfit;             ///< rms error of the model of `others`, as a share
 };
 
 /// Sums over the pixels with weights 1/variance, shot noise of the expected light included: the Fisher information and

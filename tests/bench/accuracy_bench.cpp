@@ -91,10 +91,13 @@ void bench_accuracy(std::ostream& out, const LightFieldBenchOptions&) {
     for (std::uint64_t frame = 0; frame < 8; ++frame) add_scene(simulated_scene("", scenario, frame), outcome);
     print(out, std::string("own scene, lenslets ") + lenslets, outcome);
   }
-  Outcome macro, wall;
-  for (const char* image : {"combined.png"})
-    if (const auto scene = macro_scene(image)) add_scene(*scene, macro);
-  print(out, "lf-macro", macro);
+  for (const char* set : {"lf-macro", "lf-edge"})
+    if (const auto scene = double_gauss_scene(set, "combined.png")) {
+      Outcome outcome;
+      add_scene(*scene, outcome);
+      print(out, set, outcome);
+    }
+  Outcome wall;
   for (const std::uint64_t frame : {0U, 20U, 40U})
     if (const auto scene = wall_scene(frame)) add_scene(*scene, wall);
   print(out, "lf-wall", wall);

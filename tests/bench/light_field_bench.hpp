@@ -31,4 +31,7 @@ void bench_baselines(std::ostream& out, const LightFieldBenchOptions& options);
 /// Errors of fitted particles, the Cramer-Rao bound of their scene and what their covariances promise.
 void bench_accuracy(std::ostream& out, const LightFieldBenchOptions& options);
 
+/// Recall, precision and errors against particles per lenslet, on own scenes.
+void bench_density(std::ostream& out, const LightFieldBenchOptions& options);
+
 }  // namespace rptv::bench

@@ -22,7 +22,8 @@ struct Table {
 constexpr Table kTables[]{
     {"counting", rptv::bench::bench_counting},     {"classification", rptv::bench::bench_classification},
     {"lit_pixels", rptv::bench::bench_lit_pixels}, {"frames", rptv::bench::bench_frames},
-    {"baselines", rptv::bench::bench_baselines},   {"accuracy", rptv::bench::bench_accuracy}};
+    {"baselines", rptv::bench::bench_baselines},   {"accuracy", rptv::bench::bench_accuracy},
+    {"density", rptv::bench::bench_density}};
 
 // As the daemon runs: OpenMP's workers sleep between frames instead of spinning on the cores of others.
 void let_openmp_sleep(char** argv) {

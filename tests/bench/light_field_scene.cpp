@@ -12,7 +12,6 @@ namespace rptv::bench {
 
 namespace {
 
-constexpr double kLateralMm = 0.25, kDepthMm = 3;
 constexpr std::uint16_t kAnyCount = 3;
 
 KnownScene shared_scene(const std::string& set, const std::string& image, const LightFieldCalibration& calibration) {
@@ -56,13 +55,13 @@ KnownScene simulated_scene(const std::string& name, const ScenarioSettings& scen
   return scene;
 }
 
-std::optional<KnownScene> macro_scene(const std::string& image) {
-  if (!testing::shared_set("lf-macro")) return {};
-  KnownScene scene = shared_scene("lf-macro", image, testing::macro_truth());
+std::optional<KnownScene> double_gauss_scene(const std::string& set, const std::string& image) {
+  if (!testing::shared_set(set)) return {};
+  KnownScene scene = shared_scene(set, image, set == "lf-edge" ? testing::edge_truth() : testing::macro_truth());
   scene.settings.threshold = 15, scene.settings.particle_radius_um = 30, scene.settings.volume_z_mm = {-16, 16};
   scene.settings.noise_grey = 0.625;
   constexpr double kPhotons = 383083, kGain = 4;
-  for (const auto& pair : testing::traced_pairs("lf-macro")) {
+  for (const auto& pair : testing::traced_pairs(set)) {
     scene.truth.push_back({{pair.image[0], pair.image[1], pair.image[2]}, kPhotons / kGain});
     scene.in_view.push_back(1);
   }
@@ -109,11 +108,11 @@ std::vector<FitCovariance> bounds_of(const KnownScene& scene) {
                            {shake.dark_noise_grey * shake.dark_noise_grey + 1.0 / 12, 1 / shake.electrons_per_grey});
 }
 
-std::vector<KnownMatch> match(const Particles& found, const KnownScene& scene) {
+std::vector<KnownMatch> match(const Particles& found, const KnownScene& scene, double lateral_mm, double depth_mm) {
   std::vector<testing::Position> truth;
   for (const auto& p : scene.truth) truth.push_back({p.at.x, p.at.y, p.at.z});
   std::vector<KnownMatch> matches;
-  for (const auto& m : testing::match(found, truth, kLateralMm, kDepthMm)) matches.push_back({m.found, m.truth});
+  for (const auto& m : testing::match(found, truth, lateral_mm, depth_mm)) matches.push_back({m.found, m.truth});
   return matches;
 }
 

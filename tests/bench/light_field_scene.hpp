@@ -30,8 +30,9 @@ struct KnownScene {
 /// Frame `frame` of a scenario; truth is where the real rays converge.
 KnownScene simulated_scene(const std::string& name, const ScenarioSettings& scenario, std::uint64_t frame);
 
-/// The shared set lf-macro, all planes; none where RPTV_SHARED_DATA does not name its folder.
-std::optional<KnownScene> macro_scene(const std::string& image);
+/// An image of all planes of the shared sets lf-macro and lf-edge; none where RPTV_SHARED_DATA does not name their
+/// folder.
+std::optional<KnownScene> double_gauss_scene(const std::string& set, const std::string& image);
 /// A frame of the shared set lf-wall.
 std::optional<KnownScene> wall_scene(std::uint64_t frame);
 
@@ -41,11 +42,12 @@ ScenarioSettings random_scenario();
 /// The Cramér-Rao bound of every true particle, with the model and the noise that refinement works with.
 std::vector<FitCovariance> bounds_of(const KnownScene& scene);
 
-/// A found particle and the true one that it is; one to one, nearest first, within two pitches aside and, deep enough
-/// for the wrong side of the array, 3 mm in depth.
+/// A found particle and the true one that it is; one to one, nearest first. The default limits are wide: two pitches
+/// aside, 3 mm of image depth.
 struct KnownMatch {
   std::size_t found, truth;
 };
-std::vector<KnownMatch> match(const Particles& found, const KnownScene& scene);
+std::vector<KnownMatch> match(const Particles& found, const KnownScene& scene, double lateral_mm = 0.25,
+                              double depth_mm = 3);
 
 }  // namespace rptv::bench
