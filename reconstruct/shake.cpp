@@ -16,9 +16,7 @@ namespace {
 constexpr std::size_t kBlockPixels = 64;
 constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
 constexpr double kStillGain = 0.05;  // a step that promises to explain less χ² than this is not worth an image
-constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
-constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
-constexpr float kMisfit = 0.1F;     // of the model of a particle's image: none is made of another's errors
+constexpr float kMisfit = 0.1F;      // of the model of a particle's image: none is made of another's errors
 // What no noise model knows: how well the model's borders between lenslets lie where the real ones are, in pitches.
 // Read off scenes traced without noise. Near the array few pixels of few lenslets show the depth, and what counts is
 // the particle's shape in them; far from it the many narrow pieces are blurred more than the model has it.
@@ -155,6 +153,7 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   const auto pixels = static_cast<double>(image.size);  // noise leaves χ² pixels ± √(2·pixels)
   const double left = state.sums.square - pixels - 3 * std::sqrt(2 * pixels);
   particle.agreement = state.sums.gain > 0 ? state.sums.gain / (state.sums.gain + std::max(left, 0.0)) : 0;
+  particle.crowded = crowded(state, worker);
   particle.seen =
       std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
   const double border_mm = border_error_mm(particle.at.z);
@@ -199,43 +198,6 @@ void Shake::search_depth(State& state, Worker& worker) const noexcept {
     if (other.sums.gain > state.sums.gain) state = other;
   }
   worker.model.render(state.particle.at, worker.now);
-}
-
-// The same particle twice; or much weaker than a neighbour on the same rays: light of that one which the model puts
-// elsewhere.
-bool Shake::is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept {
-  const double depth = std::abs(weak.at.z - strong.at.z);
-  if (!(weak.light < strong.light) || depth > options_.shallow_mm) return false;
-  if (weak.light > kSatelliteShare * strong.light && depth > kSamePlace * options_.shallow_mm) return false;
-  const ImagePoint on_ray = column_of_.slide(strong.at, weak.at.z);
-  return std::abs(on_ray.x - weak.at.x) < options_.satellite_mm &&
-         std::abs(on_ray.y - weak.at.y) < options_.satellite_mm;
-}
-
-// Light 0 marks a ghost.
-void Shake::mark_ghosts(std::span<FittedParticle> particles) noexcept {
-  lights_.clear();
-  for (const auto& p : particles)
-    if (p.light > 0) lights_.push_back(static_cast<float>(p.light));
-  if (lights_.empty()) return;
-  const auto middle = lights_.begin() + static_cast<std::ptrdiff_t>(lights_.size() / 2);
-  std::nth_element(lights_.begin(), middle, lights_.end());
-  const double least = options_.least_share * static_cast<double>(*middle);
-  Worker& worker = workers_[0];
-  for (auto& p : particles) {
-    const bool inside = p.at.z >= options_.lowest_z_mm && p.at.z <= options_.highest_z_mm;
-    const bool real =
-        inside && p.light * p.agreement >= least && p.gain >= kLeastGain && p.seen >= kLeastSeen &&
-        std::none_of(particles.begin(), particles.end(), [&](const auto& q) { return is_satellite(p, q); });
-    if (!(p.light > 0) || real) continue;
-    if (worker.model.render(p.at, worker.now)) paint(worker.now, -p.light);
-    p.light = 0;
-  }
-}
-
-std::size_t Shake::drop_ghosts(std::span<FittedParticle> particles) noexcept {
-  const auto end = std::remove_if(particles.begin(), particles.end(), [](const auto& p) { return !(p.light > 0); });
-  return static_cast<std::size_t>(end - particles.begin());
 }
 
 }  // namespace rptv

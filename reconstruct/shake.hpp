@@ -64,6 +64,7 @@ class Shake {
   bool may_be_one(const FittedParticle& a, const FittedParticle& b) const noexcept;
   void join_halves(std::span<FittedParticle> particles) noexcept;
   bool join(FittedParticle& one, FittedParticle& other, Worker& worker) noexcept;
+  double crowded(const State& state, const Worker& worker) const noexcept;
   double border_error_mm(double z_mm) const noexcept;
   double gain_of(const FittedParticle& particle, Worker& worker) noexcept;
   void drop_middles(std::span<FittedParticle> particles) noexcept;

@@ -7,7 +7,6 @@
 #include <iomanip>
 #include <ostream>
 
-#include "simulation/optics.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/bench/light_field_scene.hpp"
 
@@ -16,16 +15,6 @@ namespace rptv::bench {
 namespace {
 
 constexpr double kHalfPitchMm = 0.0625, kDepthMm = 2;
-
-ScenarioSettings dense_scenario(double per_lenslet, double depth_mm) {
-  auto s = random_scenario();
-  s.seeding.per_lenslet = per_lenslet;
-  s.seeding.volume_x_mm = s.seeding.volume_y_mm = 2, s.seeding.volume_z_mm = depth_mm;  // 40 lenslets a side
-  s.rays_per_particle = 2048;
-  s.camera.width_px = s.camera.height_px = 880;
-  s.seeding.particles = LightFieldOptics(s).particles_in_box();
-  return s;
-}
 
 struct Row {
   double truth = 0, found = 0, matched = 0, measured = 0, seconds = 0;

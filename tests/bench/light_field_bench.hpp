@@ -34,4 +34,7 @@ void bench_accuracy(std::ostream& out, const LightFieldBenchOptions& options);
 /// Recall, precision and errors against particles per lenslet, on own scenes.
 void bench_density(std::ostream& out, const LightFieldBenchOptions& options);
 
+/// Fits the ghost probability's factors, and prints predicted beside seen frequencies.
+void bench_ghosts(std::ostream& out, const LightFieldBenchOptions& options);
+
 }  // namespace rptv::bench

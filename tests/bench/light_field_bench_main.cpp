@@ -23,7 +23,7 @@ constexpr Table kTables[]{
     {"counting", rptv::bench::bench_counting},     {"classification", rptv::bench::bench_classification},
     {"lit_pixels", rptv::bench::bench_lit_pixels}, {"frames", rptv::bench::bench_frames},
     {"baselines", rptv::bench::bench_baselines},   {"accuracy", rptv::bench::bench_accuracy},
-    {"density", rptv::bench::bench_density}};
+    {"density", rptv::bench::bench_density},       {"ghosts", rptv::bench::bench_ghosts}};
 
 // As the daemon runs: OpenMP's workers sleep between frames instead of spinning on the cores of others.
 void let_openmp_sleep(char** argv) {

@@ -97,6 +97,16 @@ ScenarioSettings random_scenario() {
   return s;
 }
 
+ScenarioSettings dense_scenario(double per_lenslet, double depth_mm) {
+  auto s = random_scenario();
+  s.seeding.per_lenslet = per_lenslet;
+  s.seeding.volume_x_mm = s.seeding.volume_y_mm = 2, s.seeding.volume_z_mm = depth_mm;  // 40 lenslets a side
+  s.rays_per_particle = 2048;
+  s.camera.width_px = s.camera.height_px = 880;
+  s.seeding.particles = LightFieldOptics(s).particles_in_box();
+  return s;
+}
+
 std::vector<FitCovariance> bounds_of(const KnownScene& scene) {
   const LensletLattice lattice(scene.calibration);
   const PixelsToRays pixels_to_rays(scene.calibration, lattice, 1);

@@ -39,6 +39,9 @@ std::optional<KnownScene> wall_scene(std::uint64_t frame);
 /// Small cameras with a thick lens and thin lenslets: the wall's optics, particles in random places of a cube.
 ScenarioSettings random_scenario();
 
+/// The same camera, smaller, and so many particles per lenslet of the picture of a box 2 mm wide and `depth_mm` deep.
+ScenarioSettings dense_scenario(double per_lenslet, double depth_mm);
+
 /// The Cramér-Rao bound of every true particle, with the model and the noise that refinement works with.
 std::vector<FitCovariance> bounds_of(const KnownScene& scene);
 

@@ -72,5 +72,24 @@ TEST(Accuracy, is_what_covariances_promise_and_less_than_twice_the_cramer_rao_bo
   }
 }
 
+TEST(Accuracy, ghosts_have_several_times_the_ghost_probability_of_particles) {
+  auto scene = bench::simulated_scene("", bench::dense_scenario(0.15, 6), 7);
+  scene.settings.refine = true;
+  LightField light_field(scene.settings, scene.calibration, {});
+  Particles found(1024);
+  light_field.reconstruct(scene.view(), found);
+  std::vector<char> real(found.size());
+  for (const auto& m : match(found, scene, 0.0625, 2)) real[m.found] = 1;
+  double of_ghosts = 0, ghosts = 0, of_real = 0, reals = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_GE(found.ghost[i], 0);
+    EXPECT_LE(found.ghost[i], 1);
+    (real[i] != 0 ? of_real : of_ghosts) += found.ghost[i];
+    ++(real[i] != 0 ? reals : ghosts);
+  }
+  ASSERT_GE(ghosts, 5);
+  EXPECT_GE(of_ghosts / ghosts, 3 * of_real / reals);
+}
+
 }  // namespace
 }  // namespace rptv
