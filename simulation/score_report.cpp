@@ -101,4 +101,21 @@ std::string to_json(const WallProfile& profile) {
   return text + "]}";
 }
 
+std::string to_text(const DuctProfile& profile) {
+  return fmt::format(
+      "{:<22}{:.4f} ul/min (true {:.4f}, off by {})\n{:<22}{} in the centre ({} velocities), {} near walls and corners "
+      "({})\n",
+      "flow rate", profile.flow_rate_ul_min, profile.true_flow_rate_ul_min,
+      share(profile.flow_rate_ul_min / profile.true_flow_rate_ul_min - 1), "profile off by",
+      share(profile.centre.relative), profile.centre.velocities, share(profile.corner.relative),
+      profile.corner.velocities);
+}
+
+std::string to_json(const DuctProfile& profile) {
+  return fmt::format(
+      R"({{"flow_rate_ul_min":{},"true_flow_rate_ul_min":{},"centre_error":{},"centre_velocities":{},"corner_error":{},"corner_velocities":{}}})",
+      profile.flow_rate_ul_min, profile.true_flow_rate_ul_min, profile.centre.relative, profile.centre.velocities,
+      profile.corner.relative, profile.corner.velocities);
+}
+
 }  // namespace rptv

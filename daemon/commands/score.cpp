@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `rapidptv score`: measured points or tracks against the truth, and the wall profile they give.
+// `rapidptv score`: measured points or tracks against the truth, and the profile of wall or duct that they give.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -48,12 +48,19 @@ ExitCode run_score(const ScoreOptions& options) {
                                           ": has no column 'particle', and a profile needs tracks; link the "
                                           "points first: rapidptv link");
     const ScenarioSettings scenario = read_scenario(options.scenario);
-    WallProfileSettings settings;
-    settings.rate_hz = scenario.rate_hz;
-    const WallProfile profile = measure_wall_profile(measured.rows, scenario.flow, settings);
-    if (!options.profile_csv.empty()) write_wall_profile(profile, options.profile_csv);
-    text += (text.empty() ? "" : "\n") + to_text(profile);
-    json.push_back("\"profile\":" + to_json(profile));
+    text += text.empty() ? "" : "\n";
+    if (scenario.flow.kind == "duct") {
+      const DuctProfile profile = measure_duct_profile(measured.rows, scenario.duct, {.rate_hz = scenario.rate_hz});
+      text += to_text(profile);
+      json.push_back("\"profile\":" + to_json(profile));
+    } else {
+      WallProfileSettings settings;
+      settings.rate_hz = scenario.rate_hz;
+      const WallProfile profile = measure_wall_profile(measured.rows, scenario.flow, settings);
+      if (!options.profile_csv.empty()) write_wall_profile(profile, options.profile_csv);
+      text += to_text(profile);
+      json.push_back("\"profile\":" + to_json(profile));
+    }
   }
   std::cout << (options.json ? "{" + json.front() + (json.size() > 1 ? "," + json.back() : "") + "}\n" : text);
   return ExitCode::ok;
@@ -71,15 +78,17 @@ void add_score(CLI::App& app, Action& chosen) {
                    "a particle is found when it is this near, per axis: one number or x y z (default 0.1 0.1 0.5)")
       ->expected(1, 3)
       ->delimiter(',');
-  command->add_option("--profile", options->scenario, "scenario (TOML): fit the wall profile and compare with theory");
-  command->add_option("--profile-csv", options->profile_csv, "also write the profile to this CSV file");
+  command->add_option("--profile", options->scenario,
+                      "scenario (TOML): the wall's profile, or the duct's flow rate and profile, beside theory");
+  command->add_option("--profile-csv", options->profile_csv, "also write the wall's profile to this CSV file");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
       "Definitions: Sciacchitano et al. 2021 (1st LPT challenge); pairs are one to one, nearest first.\n"
       "Examples:\n"
       "  rapidptv score tracks.csv --truth run/truth.csv\n"
       "  rapidptv score points.csv --truth run/truth.csv --radius-mm 0.05,0.05,0.3 --json\n"
-      "  rapidptv score tracks.csv --truth run/truth.csv --profile run/scenario.toml --profile-csv profile.csv");
+      "  rapidptv score tracks.csv --truth run/truth.csv --profile run/scenario.toml --profile-csv profile.csv\n"
+      "  rapidptv score tracks.csv --profile duct.toml --json");
   command->callback([options, &chosen] { chosen = [options] { return run_score(*options); }; });
 }
 
