@@ -19,13 +19,14 @@ struct Particle {
   double residual_mm = 0;  ///< rms distance of its rays from the point
   double support = 0;      ///< rays (light field) or views (multi-view) that it explains
   Covariance covariance_mm2{};
+  double ghost = 0;  ///< probability that there is no such particle
 };
 
 /// Arrays of equal length size(). All memory is taken by the constructor; push() never allocates. One thread at a time.
 class Particles {
  public:
   explicit Particles(std::size_t capacity = 0) {
-    for (auto* column : {&x_mm, &y_mm, &z_mm, &residual_mm, &support}) column->reserve(capacity);
+    for (auto* column : {&x_mm, &y_mm, &z_mm, &residual_mm, &support, &ghost}) column->reserve(capacity);
     covariance_mm2.reserve(capacity);
     capacity_ = capacity;
   }
@@ -34,7 +35,7 @@ class Particles {
   std::uint64_t overflow() const noexcept { return overflow_; }  ///< particles refused since clear()
 
   void clear() noexcept {
-    for (auto* column : {&x_mm, &y_mm, &z_mm, &residual_mm, &support}) column->clear();
+    for (auto* column : {&x_mm, &y_mm, &z_mm, &residual_mm, &support, &ghost}) column->clear();
     covariance_mm2.clear();
     overflow_ = 0;
   }
@@ -50,10 +51,11 @@ class Particles {
     residual_mm.push_back(p.residual_mm);
     support.push_back(p.support);
     covariance_mm2.push_back(p.covariance_mm2);
+    ghost.push_back(p.ghost);
     return true;
   }
 
-  std::vector<double> x_mm, y_mm, z_mm, residual_mm, support;
+  std::vector<double> x_mm, y_mm, z_mm, residual_mm, support, ghost;
   std::vector<Covariance> covariance_mm2;
 
  private:

@@ -5,7 +5,7 @@
 namespace rptv {
 namespace {
 
-enum PointColumn : std::size_t { kFrame, kX, kY, kZ, kResidual, kSupport, kVarX, kT = kVarX + 6 };
+enum PointColumn : std::size_t { kFrame, kX, kY, kZ, kResidual, kSupport, kVarX, kGhost = kVarX + 6, kT };
 
 /// Covariance stores xx, xy, xz, yy, yz, zz; the table writes variances first.
 constexpr std::size_t kCovarianceOrder[6] = {0, 3, 5, 1, 2, 4};
@@ -13,6 +13,7 @@ constexpr std::size_t kCovarianceOrder[6] = {0, 3, 5, 1, 2, 4};
 std::string point_header(PointColumns columns) {
   std::string header = "frame,x,y,z,residual,support";
   if (columns.covariance) header += ",var_x,var_y,var_z,cov_xy,cov_xz,cov_yz";
+  if (columns.ghost) header += ",ghost";
   if (columns.time) header += ",t";
   return header;
 }
@@ -26,6 +27,7 @@ void PointsWriter::write(const PointRow& row) noexcept {
   csv_.index(row.frame).number(row.x_mm).number(row.y_mm).number(row.z_mm).number(row.residual_mm).number(row.support);
   if (columns_.covariance)
     for (const std::size_t i : kCovarianceOrder) csv_.number(row.covariance_mm2[i]);
+  if (columns_.ghost) csv_.number(row.ghost);
   if (columns_.time) csv_.number(row.t_s);
   csv_.end_row();
 }
@@ -33,7 +35,7 @@ void PointsWriter::write(const PointRow& row) noexcept {
 void PointsWriter::write(std::uint64_t frame, double t_s, const Particles& particles) noexcept {
   for (std::size_t i = 0; i < particles.size(); ++i)
     write({frame, particles.x_mm[i], particles.y_mm[i], particles.z_mm[i], particles.residual_mm[i],
-           particles.support[i], particles.covariance_mm2[i], t_s});
+           particles.support[i], particles.covariance_mm2[i], particles.ghost[i], t_s});
 }
 
 std::vector<CsvColumn> PointsReader::columns() {
@@ -41,6 +43,7 @@ std::vector<CsvColumn> PointsReader::columns() {
   list.push_back({"residual", {"residual_mm"}, false});
   list.push_back({"support", {}, false});
   for (const char* name : {"var_x", "var_y", "var_z", "cov_xy", "cov_xz", "cov_yz"}) list.push_back({name, {}, false});
+  list.push_back({"ghost", {}, false});
   list.push_back({"t", {"t_s"}, false});
   return list;
 }
@@ -57,6 +60,7 @@ PointRow PointsReader::row() const {
   if (csv_.has(kSupport)) row.support = csv_.number(kSupport);
   for (std::size_t i = 0; i < 6; ++i)
     if (csv_.has(kVarX + i)) row.covariance_mm2[kCovarianceOrder[i]] = csv_.number(kVarX + i);
+  if (csv_.has(kGhost)) row.ghost = csv_.number(kGhost);
   if (csv_.has(kT)) row.t_s = csv_.number(kT);
   return row;
 }

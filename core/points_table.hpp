@@ -25,6 +25,7 @@ struct PointRow {
   double residual_mm = 0;
   double support = 0;
   Covariance covariance_mm2{};  ///< zero where the table has none
+  double ghost = 0;             ///< probability that it is none; zero where the table has none
   double t_s = kNoTime;         ///< NaN where the table has no column t
 };
 
@@ -38,6 +39,7 @@ struct PointFrame {
 /// Columns behind `frame,x,y,z,residual,support`.
 struct PointColumns {
   bool covariance = false;  ///< var_x,var_y,var_z,cov_xy,cov_xz,cov_yz
+  bool ghost = false;       ///< ghost
   bool time = false;        ///< t
 };
 
@@ -55,9 +57,9 @@ class PointsWriter {
   CsvWriter csv_;
 };
 
-/// "-" is standard input. Needs frame,x,y; takes z (else 0), residual, support, covariance and t where they are there.
-/// Frames must not decrease, and t must be one value per frame and increase with it: else Error(bad_data) names the
-/// line.
+/// "-" is standard input. Needs frame,x,y; takes z (else 0), residual, support, covariance, ghost and t where they are
+/// there. Frames must not decrease, and t must be one value per frame and increase with it: else Error(bad_data) names
+/// the line.
 class PointsReader {
  public:
   explicit PointsReader(const std::filesystem::path& file) : PointsReader(CsvReader(file, columns())) {}

@@ -47,8 +47,10 @@ bool read_tracks(const rapidptv::Tracks& from, TracksColumns& to) {
 bool read_particles(const rapidptv::Particles& from, ParticlesColumns& to) {
   return read_column(from.x(), to.x_mm) && read_column(from.y(), to.y_mm) && read_column(from.z(), to.z_mm) &&
          read_column(from.residual(), to.residual_mm) && read_column(from.support(), to.support) &&
-         read_column(from.covariance(), to.covariance_mm2) && to.covariance_mm2.size() == to.x_mm.size() &&
-         all_of_size(to.x_mm.size(), {&to.y_mm, &to.z_mm, &to.residual_mm, &to.support});
+         read_column(from.ghost(), to.ghost) && read_column(from.covariance(), to.covariance_mm2) &&
+         to.covariance_mm2.size() == to.x_mm.size() &&
+         all_of_size(to.x_mm.size(), {&to.y_mm, &to.z_mm, &to.residual_mm, &to.support}) &&
+         (to.ghost.empty() || to.ghost.size() == to.x_mm.size());
 }
 
 template <class Name, std::size_t Count>

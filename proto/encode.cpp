@@ -163,8 +163,9 @@ Encoder::Encoder(std::string_view session, std::size_t particle_capacity, std::s
   tracks.mutable_stamps();
   auto& particles = messages_->by_topic[static_cast<std::size_t>(Topic::particles)];
   auto& p = *particles.mutable_particles();
-  reserve_all({p.mutable_x(), p.mutable_y(), p.mutable_z(), p.mutable_residual(), p.mutable_support()},
-              particle_capacity * 4);
+  reserve_all(
+      {p.mutable_x(), p.mutable_y(), p.mutable_z(), p.mutable_residual(), p.mutable_support(), p.mutable_ghost()},
+      particle_capacity * 4);
   p.mutable_covariance()->reserve(particle_capacity * 24);
   particles.mutable_stamps();
 }
@@ -202,6 +203,7 @@ std::span<const std::byte> Encoder::particles(const Result& result, Stamps& stam
   fill_column<float>(*to.mutable_z(), from.z_mm);
   fill_column<float>(*to.mutable_residual(), from.residual_mm);
   fill_column<float>(*to.mutable_support(), from.support);
+  fill_column<float>(*to.mutable_ghost(), from.ghost);
   fill_rows(*to.mutable_covariance(), from.covariance_mm2, [](const Covariance& c) { return c; });
   Messages::fill_frame(envelope, result, stamps);
   return messages_->serialise(envelope);

@@ -89,6 +89,7 @@ void put_content(Buffer& out, const ParticlesColumns& particles) {
   put_column(out, "residual", particles.residual_mm);
   put_column(out, "support", particles.support);
   put_rows(out, "covariance", particles.covariance_mm2);
+  if (!particles.ghost.empty()) put_column(out, "ghost", particles.ghost);
 }
 
 void put_latency(Buffer& out, std::string_view stage, const LatencySummary& s) {

@@ -40,6 +40,7 @@ struct TracksColumns {
 /// Columns of equal length; units mm and mm².
 struct ParticlesColumns {
   std::vector<float> x_mm, y_mm, z_mm, residual_mm, support;
+  std::vector<float> ghost;                          ///< probability that it is none; empty from senders without it
   std::vector<std::array<float, 6>> covariance_mm2;  ///< xx, xy, xz, yy, yz, zz
   bool operator==(const ParticlesColumns&) const = default;
 };

@@ -43,4 +43,12 @@ RPTV_HOST_DEVICE_INLINE GaussEdge gauss_edge(float t) noexcept {
   return {t < 0 ? tail : 1.0F - tail, e * 0.564189584F};
 }
 
+/// The same behind an edge that is blurred by a kernel of another shape: `flatness` is its excess kurtosis over 24 (0:
+/// Gaussian; a uniform disc, projected: -1/24). Gram-Charlier series to the fourth moment.
+RPTV_HOST_DEVICE_INLINE GaussEdge blurred_edge(float t, float flatness) noexcept {
+  const GaussEdge g = gauss_edge(t);
+  const float square = 2 * t * t;  // in standard deviations
+  return {g.share - flatness * t * (square - 3) * g.bell, g.bell * (1 + flatness * (square * (square - 6) + 3))};
+}
+
 }  // namespace rptv

@@ -13,6 +13,7 @@
 #include "reconstruct/classify_dbscan.hpp"
 #include "reconstruct/classify_local_maxima.hpp"
 #include "reconstruct/coarse_maxima.hpp"
+#include "reconstruct/ghost_probability.hpp"
 #include "reconstruct/light_field_volume.hpp"
 #include "reconstruct/lit_pixels.hpp"
 #include "reconstruct/parallel.hpp"
@@ -186,7 +187,8 @@ void LightField::Stages::write(Particles& out) const noexcept {
       covariance = object_map.to_object(covariance, object_map.jacobian(at));
       at = object_map.to_object(at);
     }
-    out.push({at[0], at[1], at[2], found.residual_mm, found.support, covariance});
+    out.push({at[0], at[1], at[2], found.residual_mm, found.support, covariance,
+              shake ? found.ghost : ghost_probability_by_support(found.support / min_count)});
   }
 }
 
@@ -201,6 +203,7 @@ LightField::LightField(const LightFieldSettings& settings, const LightFieldCalib
 }
 
 LightField::~LightField() = default;
+std::span<const FittedParticle> LightField::fitted() const noexcept { return stages_->particles; }
 const LightFieldCounts& LightField::counts() const noexcept { return stages_->counts; }
 std::uint16_t LightField::min_count() const noexcept { return stages_->min_count; }
 

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "calibration/light_field_calibration.hpp"
 #include "core/image.hpp"
 #include "reconstruct/light_field_settings.hpp"
+#include "reconstruct/particle_fit.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
@@ -36,6 +38,8 @@ class LightField final : public Reconstructor {
   /// The same for one image.
   void reconstruct(const ImageView& image, Particles& out) noexcept;
 
+  /// The last frame's particles as they were fitted, in image space; in the order of what reconstruct() gave out.
+  std::span<const FittedParticle> fitted() const noexcept;
   const LightFieldCounts& counts() const noexcept;
   /// C_min in use: settings.min_count, or eq. (7).
   std::uint16_t min_count() const noexcept;

@@ -145,6 +145,8 @@ ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightF
   ShakeOptions options;
   if (f_number > 0) options.model.pupil_radius_mm = 0.5 / f_number * (pupil_mm > 0 ? pupil_mm : 1);
   options.model.particle_radius_mm = settings.particle_radius_um * 1e-3 * calibration.magnification();
+  if (calibration.base_model() == "thick_lens")  // m = s'/EFL - 1
+    options.model.radius_per_mm = -1 / (calibration.lens.array_distance_mm - calibration.lens.focal_length_mm);
   options.model.spread_um = settings.slope_blur_um;
   options.model.diffraction_zero_um = diffraction_zero_um(settings, calibration);
   options.sweeps = settings.refine_sweeps;
@@ -154,8 +156,11 @@ ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightF
   // Where the cone of light is less than two lenslets wide.
   if (f_number > 0) options.shallow_mm = 2 * calibration.pitch_mm() * f_number;
   options.pitch_mm = calibration.pitch_mm();
-  if (f_number > 0) options.slope_rms = 0.25 / f_number;
-  options.satellite_mm = calibration.pitch_mm() / 4;
+  if (f_number > 0) {
+    options.slope_rms = 0.25 / f_number;
+    options.subimage_px = calibration.lenslets.focal_length_mm / f_number / calibration.pixel_mm();
+  }
+  options.satellite_mm = std::max(calibration.pitch_mm() / 4, options.model.particle_radius_mm);
   options.least_share = settings.ghost_share;
   options.max_particles = explain.max_particles;
   options.threads = explain.threads;

@@ -27,6 +27,7 @@ class ParticleImage {
 struct ImageModelOptions {
   double pupil_radius_mm = 0;      ///< of the exit pupil; telecentric: of the cone, as a slope
   double particle_radius_mm = 0;   ///< of the particle's image at z = 0
+  double radius_per_mm = 0;        ///< how it grows towards the main lens, as a share: magnification changes with depth
   double spread_um = 0;            ///< rms blur of a sub-image by the lenslet, beside pixel and diffraction
   double diffraction_zero_um = 0;  ///< first dark line of a lenslet's diffraction, λ·f/pitch; 0: none
 };

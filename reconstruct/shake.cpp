@@ -16,12 +16,12 @@ namespace {
 constexpr std::size_t kBlockPixels = 64;
 constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
 constexpr double kStillGain = 0.05;  // a step that promises to explain less χ² than this is not worth an image
-constexpr double kSatelliteShare = 0.35, kSamePlace = 0.2;
-constexpr double kLeastSeen = 0.3;  // of its light, on the sensor
-constexpr double kLeastGain = 30;   // χ² that a particle must explain: four parameters do not get there by noise
+constexpr float kMisfit = 0.1F;      // of the model of a particle's image: none is made of another's errors
 // What no noise model knows: how well the model's borders between lenslets lie where the real ones are, in pitches.
-// Read off the ray-traced sets; nearer to the array, where the particle's own shape counts, up to three times as much.
-constexpr double kBorderError = 0.008, kBorderErrorShallow = 2;
+// Read off scenes traced without noise. Near the array few pixels of few lenslets show the depth, and what counts is
+// the particle's shape in them; far from it the many narrow pieces are blurred more than the model has it.
+constexpr double kBorderErrorNear = 1.7, kNear = 0.3;  // over squared pixels of a sub-image; in shallow depths
+constexpr double kBorderErrorFar = 0.0007;             // per squared shallow depth
 
 }  // namespace
 
@@ -60,7 +60,7 @@ Seen Shake::look(const ParticleImage& image, Worker& worker) const noexcept {
   }
   return {worker.grey.data(), worker.others.data(),
           static_cast<float>(options_.dark_noise_grey * options_.dark_noise_grey + 1.0 / 12),
-          static_cast<float>(1 / options_.electrons_per_grey)};
+          static_cast<float>(1 / options_.electrons_per_grey), kMisfit};
 }
 
 void Shake::paint(const ParticleImage& image, double light) noexcept {
@@ -108,8 +108,11 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
       if (number < first_new && sweep + 1 < options_.sweeps) return;  // they were settled before
       fit(p, worker, sweep == 0 && number >= first_new);
     });
-    if (sweep == 0) join_halves(particles);
-    if (sweep + 2 == options_.sweeps) mark_ghosts(particles);  // their neighbours have the last sweep to recover
+    if (sweep == 0 || sweep + 2 == options_.sweeps) join_halves(particles);
+    if (sweep + 2 == options_.sweeps) {  // neighbours have the last sweep to recover
+      if (first_new > 0) drop_middles(particles);
+      mark_ghosts(particles);
+    }
   }
   mark_ghosts(particles);
   return drop_ghosts(particles);
@@ -147,13 +150,22 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   particle = state.particle;
   particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(image.size) - 4);
   particle.gain = state.sums.gain;
+  const auto pixels = static_cast<double>(image.size);  // noise leaves χ² pixels ± √(2·pixels)
+  const double left = state.sums.square - pixels - 3 * std::sqrt(2 * pixels);
+  particle.agreement = state.sums.gain > 0 ? state.sums.gain / (state.sums.gain + std::max(left, 0.0)) : 0;
+  particle.crowded = crowded(state, worker);
   particle.seen =
       std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
-  const double depth = particle.at.z / options_.shallow_mm;
-  const double border_mm = options_.pitch_mm * kBorderError * (1 + kBorderErrorShallow / (1 + depth * depth));
+  const double border_mm = border_error_mm(particle.at.z);
   particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), border_mm, options_.slope_rms,
                                       column_of_.direction(particle.at));
   paint(image, particle.light);
+}
+
+double Shake::border_error_mm(double z_mm) const noexcept {
+  const double depth = std::abs(z_mm) / options_.shallow_mm;
+  const double near = kBorderErrorNear / (options_.subimage_px * options_.subimage_px);
+  return options_.pitch_mm * (near / (1 + std::pow(depth / kNear, 2)) + kBorderErrorFar * depth * depth);
 }
 
 // Levenberg-Marquardt; `worker.now` is the image of the state before and after.
@@ -186,43 +198,6 @@ void Shake::search_depth(State& state, Worker& worker) const noexcept {
     if (other.sums.gain > state.sums.gain) state = other;
   }
   worker.model.render(state.particle.at, worker.now);
-}
-
-// The same particle twice; or much weaker than a neighbour on the same rays: light of that one which the model puts
-// elsewhere.
-bool Shake::is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept {
-  const double depth = std::abs(weak.at.z - strong.at.z);
-  if (!(weak.light < strong.light) || depth > options_.shallow_mm) return false;
-  if (weak.light > kSatelliteShare * strong.light && depth > kSamePlace * options_.shallow_mm) return false;
-  const ImagePoint on_ray = column_of_.slide(strong.at, weak.at.z);
-  return std::abs(on_ray.x - weak.at.x) < options_.satellite_mm &&
-         std::abs(on_ray.y - weak.at.y) < options_.satellite_mm;
-}
-
-// Light 0 marks a ghost.
-void Shake::mark_ghosts(std::span<FittedParticle> particles) noexcept {
-  lights_.clear();
-  for (const auto& p : particles)
-    if (p.light > 0) lights_.push_back(static_cast<float>(p.light));
-  if (lights_.empty()) return;
-  const auto middle = lights_.begin() + static_cast<std::ptrdiff_t>(lights_.size() / 2);
-  std::nth_element(lights_.begin(), middle, lights_.end());
-  const double least = options_.least_share * static_cast<double>(*middle);
-  Worker& worker = workers_[0];
-  for (auto& p : particles) {
-    const bool inside = p.at.z >= options_.lowest_z_mm && p.at.z <= options_.highest_z_mm;
-    const bool real =
-        inside && p.light >= least && p.gain >= kLeastGain && p.seen >= kLeastSeen &&
-        std::none_of(particles.begin(), particles.end(), [&](const auto& q) { return is_satellite(p, q); });
-    if (!(p.light > 0) || real) continue;
-    if (worker.model.render(p.at, worker.now)) paint(worker.now, -p.light);
-    p.light = 0;
-  }
-}
-
-std::size_t Shake::drop_ghosts(std::span<FittedParticle> particles) noexcept {
-  const auto end = std::remove_if(particles.begin(), particles.end(), [](const auto& p) { return !(p.light > 0); });
-  return static_cast<std::size_t>(end - particles.begin());
 }
 
 }  // namespace rptv

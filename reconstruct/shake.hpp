@@ -9,24 +9,10 @@
 
 #include "core/image.hpp"
 #include "reconstruct/particle_image.hpp"
+#include "reconstruct/shake_options.hpp"
 #include "reconstruct/shake_step.hpp"
 
 namespace rptv {
-
-struct ShakeOptions {
-  ImageModelOptions model;
-  std::int64_t sweeps = 3;        ///< over all particles
-  double dark_noise_grey = 1;     ///< rms of a pixel without light, grey values
-  double electrons_per_grey = 4;  ///< gain: what makes shot noise of light
-  double lowest_z_mm = 0, highest_z_mm = 0;
-  double shallow_mm = 0;  ///< |z| below which few lenslets see a particle: its depth is searched, not stepped to
-  double pitch_mm = 0, slope_rms = 0;  ///< of the lenslets; of a particle's rays along an axis
-  double satellite_mm = 0;   ///< aside of a much brighter particle, within the shallow depth: its light, badly modelled
-  double least_share = 0.1;  ///< of the median particle's light: below it is a ghost
-  std::size_t max_particles = 4096;
-  std::size_t max_pixels = 1 << 16;  ///< of one particle's image
-  std::size_t threads = 1;
-};
 
 /// Each particle in turn is fitted (Levenberg-Marquardt, shot-noise weights) to what the others leave of the image. The
 /// sensor is cut into stripes that are wider than a particle's image; every other stripe at a time is worked on, so
@@ -78,7 +64,12 @@ class Shake {
   bool may_be_one(const FittedParticle& a, const FittedParticle& b) const noexcept;
   void join_halves(std::span<FittedParticle> particles) noexcept;
   bool join(FittedParticle& one, FittedParticle& other, Worker& worker) noexcept;
+  double crowded(const State& state, const Worker& worker) const noexcept;
+  double border_error_mm(double z_mm) const noexcept;
   double gain_of(const FittedParticle& particle, Worker& worker) noexcept;
+  void drop_middles(std::span<FittedParticle> particles) noexcept;
+  bool explain_without(FittedParticle& middle, std::span<FittedParticle* const> around) noexcept;
+  void paint_again(const FittedParticle& particle, double share, Worker& worker) noexcept;
   bool is_satellite(const FittedParticle& weak, const FittedParticle& strong) const noexcept;
   void mark_ghosts(std::span<FittedParticle> particles) noexcept;
   std::size_t drop_ghosts(std::span<FittedParticle> particles) noexcept;

@@ -15,15 +15,15 @@ struct Seen {
   const float* others;      ///< light of the other particles
   float dark_variance;      ///< of a pixel without light, grey values squared
   float variance_per_grey;  ///< shot noise: 1/gain
+  float misfit;             ///< rms error of the model of `others`, as a share
 };
 
-/// Sums over the pixels with weights 1/variance; shot noise of the light that is expected or seen, whichever is more,
-/// so that neither a dark pixel where light should be nor light where none should be is taken too seriously.
-/// Parameters: x, y, z, light.
+/// Sums over the pixels with weights 1/variance, shot noise of the expected light included: the Fisher information and
+/// the gradient of the likelihood (poisson_gain). Parameters: x, y, z, light.
 struct ShakeSums {
   std::array<double, 10> normal{};  ///< upper triangle, row by row
   std::array<double, 4> pull{};     ///< gradient: where the image wants the particle
-  double gain = 0;                  ///< χ² without the particle minus χ² with it: what it explains
+  double gain = 0;                  ///< twice the gain in log-likelihood by the particle: the χ² that it explains
   double square = 0;                ///< χ² with it
 };
 

@@ -103,7 +103,7 @@ void LightFieldRenderer::add_particle(const Vector3& object, double turn_rad) {
   const double body = scenario_.seeding.particle_radius_um * 1e-3;
   const double share =
       scenario_.seeding.photoelectrons * optics_.brightness(object.z) / static_cast<double>(samples_.size());
-  ParticleLight light{0, true};
+  TracerLight light{0, true};
   optics_.lens().trace(object, body, samples_, turn_rad, rays_);
   optics_.lenslets().land(rays_, std::nullopt, landings_);
   for (std::size_t i = 0; i < rays_.size(); ++i) {

@@ -17,7 +17,7 @@
 namespace rptv {
 
 /// What became of one particle's light in the last render().
-struct ParticleLight {
+struct TracerLight {
   double photoelectrons = 0;  ///< expected, through the lens, wherever they land
   bool in_view = false;       ///< its whole image is on the sensor
 };
@@ -40,7 +40,7 @@ class LightFieldRenderer {
   /// Whole image of the particle is on the sensor, a pixel from the border.
   bool in_view(const Vector3& object) noexcept;
   /// Of the last render(), in the order of its tracers.
-  std::span<const ParticleLight> lights() const noexcept { return lights_; }
+  std::span<const TracerLight> lights() const noexcept { return lights_; }
   /// Rays that one particle takes, and one lenslet of a white image.
   std::size_t rays() const noexcept { return samples_.size(); }
 
@@ -59,7 +59,7 @@ class LightFieldRenderer {
   std::vector<RaySample> samples_;
   std::vector<ArrayRay> rays_;  ///< workspace, one per sample
   std::vector<SensorMm> landings_;
-  std::vector<ParticleLight> lights_;
+  std::vector<TracerLight> lights_;
   double zero_px_ = 0;         ///< diffraction: first zero of the sinc; 0: none
   int reach_px_ = 0;           ///< the diffraction kernel spans 2 reach + 1 pixels
   std::vector<float> kernel_;  ///< [sub-pixel offset][2 reach + 1], each row sums to 1

@@ -86,7 +86,7 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   auto& light_field = dynamic_cast<LightField&>(*stage);
   for (const auto& warning : read_light_field_calibration(config.light_field.calibration).warnings())
     std::cerr << "warning: " << config.light_field.calibration << ": " << warning << '\n';
-  PointsWriter points(options.output, {.covariance = true, .time = !times.empty()});
+  PointsWriter points(options.output, {.covariance = true, .ghost = true, .time = !times.empty()});
   ImageSequence::Reader reader(images);
   std::vector<std::byte> pixels(images.shape().bytes());
   Particles particles(static_cast<std::size_t>(config.light_field.max_particles));
@@ -122,7 +122,8 @@ void add_reconstruct(CLI::App& app, Action& chosen) {
   command->footer(
       "Columns: frame,x,y,z,residual,support and the covariance var_x,var_y,var_z,cov_xy,cov_xz,cov_yz (mm, mm^2), "
       "then "
-      "t (s)\nwhere it is known. Object space unless --space image: origin on the plane conjugate to the lenslet "
+      "ghost\n(probability that there is no such particle) and t (s) where it is known. Object space unless --space "
+      "image: origin on the plane conjugate to the lenslet "
       "array, z "
       "towards\nthe lens.\n\n"
       "Examples:\n"

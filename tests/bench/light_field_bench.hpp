@@ -28,4 +28,13 @@ void bench_frames(std::ostream& out, const LightFieldBenchOptions& options);
 /// Refocusing, MART and Richardson-Lucy on the scene that ours is timed and scored on.
 void bench_baselines(std::ostream& out, const LightFieldBenchOptions& options);
 
+/// Errors of fitted particles, the Cramer-Rao bound of their scene and what their covariances promise.
+void bench_accuracy(std::ostream& out, const LightFieldBenchOptions& options);
+
+/// Recall, precision and errors against particles per lenslet, on own scenes.
+void bench_density(std::ostream& out, const LightFieldBenchOptions& options);
+
+/// Fits the ghost probability's factors, and prints predicted beside seen frequencies.
+void bench_ghosts(std::ostream& out, const LightFieldBenchOptions& options);
+
 }  // namespace rptv::bench

@@ -19,11 +19,11 @@ struct Table {
   void (*print)(std::ostream&, const rptv::bench::LightFieldBenchOptions&);
 };
 
-constexpr Table kTables[]{{"counting", rptv::bench::bench_counting},
-                          {"classification", rptv::bench::bench_classification},
-                          {"lit_pixels", rptv::bench::bench_lit_pixels},
-                          {"frames", rptv::bench::bench_frames},
-                          {"baselines", rptv::bench::bench_baselines}};
+constexpr Table kTables[]{
+    {"counting", rptv::bench::bench_counting},     {"classification", rptv::bench::bench_classification},
+    {"lit_pixels", rptv::bench::bench_lit_pixels}, {"frames", rptv::bench::bench_frames},
+    {"baselines", rptv::bench::bench_baselines},   {"accuracy", rptv::bench::bench_accuracy},
+    {"density", rptv::bench::bench_density},       {"ghosts", rptv::bench::bench_ghosts}};
 
 // As the daemon runs: OpenMP's workers sleep between frames instead of spinning on the cores of others.
 void let_openmp_sleep(char** argv) {

@@ -101,6 +101,7 @@ TEST(Encoder, gives_back_particles_with_covariances) {
   EXPECT_EQ(particles.z_mm, as_floats(result.particles.z_mm));
   EXPECT_EQ(particles.residual_mm, as_floats(result.particles.residual_mm));
   EXPECT_EQ(particles.support, as_floats(result.particles.support));
+  EXPECT_EQ(particles.ghost, as_floats(result.particles.ghost));
   ASSERT_EQ(particles.covariance_mm2.size(), 41U);
   for (std::size_t i = 0; i < 41; ++i)
     for (std::size_t k = 0; k < 6; ++k)

@@ -30,7 +30,8 @@ inline void fill_result(Result& result, std::uint64_t frame, std::size_t tracks,
                             .z_mm = number(),
                             .residual_mm = number(),
                             .support = static_cast<double>(i + 3),
-                            .covariance_mm2 = {number(), number(), number(), number(), number(), number()}};
+                            .covariance_mm2 = {number(), number(), number(), number(), number(), number()},
+                            .ghost = number()};
     result.particles.push(particle);
     result.tracks.push({.particle = first_id + i,
                         .x_mm = particle.x_mm,

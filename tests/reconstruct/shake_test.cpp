@@ -30,6 +30,7 @@ ShakeOptions options() {
   options.shallow_mm = 2 * camera.pitch_mm() * camera.lens.image_f_number;
   options.satellite_mm = camera.pitch_mm() / 4;
   options.pitch_mm = camera.pitch_mm(), options.slope_rms = 0.25 / camera.lens.image_f_number;
+  options.subimage_px = camera.lenslets.focal_length_mm / camera.lens.image_f_number / camera.pixel_mm();
   return options;
 }
 
