@@ -15,8 +15,9 @@ void Intake::bundle() noexcept {
   std::int64_t stalled_since_ns = 0;
   while (true) {
     const std::uint32_t seen = arrived_.prepare();  // before the look: what arrives after it ends the wait
-    const bool moved = drain_all();
-    while (bundler_->take(set)) publish(set);
+    const std::int64_t now_ns = host_now_ns();
+    const bool moved = drain_all(now_ns);
+    while (bundler_->take(set, now_ns)) publish(set);
     if (moved) {
       stalled_since_ns = 0;
       continue;
@@ -24,7 +25,7 @@ void Intake::bundle() noexcept {
     if (partner_has_ended() && bundler_->give_up_oldest()) continue;
     if (all_have_ended()) break;
     const std::int64_t pause_ns = lossless_ ? break_stall(stalled_since_ns) : kPatienceNs;
-    arrived_.wait(seen, pause_ns);
+    arrived_.wait(seen, std::min(pause_ns, bundler_->deadline_ns() - now_ns));
   }
   sets_.close();
 }
@@ -41,7 +42,7 @@ bool Intake::all_have_ended() const noexcept {
 }
 
 // Carries what one camera has delivered; true when that was anything.
-bool Intake::drain(std::uint32_t camera) noexcept {
+bool Intake::drain(std::uint32_t camera, std::int64_t now_ns) noexcept {
   Lane& lane = *lanes_[camera];
   bool moved = false;
   while (bundler_->has_room(camera)) {
@@ -51,20 +52,20 @@ bool Intake::drain(std::uint32_t camera) noexcept {
     if (taken != Taken::value) break;
     ++lane.taken;
     lane.silent = false;
-    bundler_->offer(std::move(frame));
+    bundler_->offer(std::move(frame), now_ns);
     moved = true;
   }
   return moved;
 }
 
-bool Intake::drain_all() noexcept {
+bool Intake::drain_all(std::int64_t now_ns) noexcept {
   bool moved = false;
   const auto cameras = static_cast<std::uint32_t>(lanes_.size());
-  for (std::uint32_t camera = 0; camera < cameras; ++camera) moved = drain(camera) || moved;
+  for (std::uint32_t camera = 0; camera < cameras; ++camera) moved = drain(camera, now_ns) || moved;
   // A second look at those that had nothing, later than the look at all others: a frame that came in time must be found
   // before newer ones of other cameras make the bundler give its set up.
   for (std::uint32_t camera = 0; camera < cameras; ++camera)
-    if (bundler_->lacks(camera)) moved = drain(camera) || moved;
+    if (bundler_->lacks(camera)) moved = drain(camera, now_ns) || moved;
   return moved;
 }
 

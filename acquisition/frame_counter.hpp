@@ -7,12 +7,12 @@
 namespace rptv {
 
 /// GigE Vision 1.x counts 1 … 65535 and then 1 again; 0 is never used. USB3 Vision and extended GigE ids have 64 bits.
-/// A 16-bit id that lies less than half a turn behind the newest is an old frame that came late, else the count
-/// wrapped. An id above 65535 shows that the camera counts with more bits: from then on nothing wraps. One thread at a
-/// time.
+/// V4L2 counts 32 bits from 0. An id of 16 or 32 bits that lies less than half a turn behind the newest is an old frame
+/// that came late, else the count wrapped. Where 16 bits are expected, an id above 65535 shows that the camera counts
+/// with more: from then on nothing wraps. One thread at a time.
 class FrameCounter {
  public:
-  enum class Width : std::uint8_t { bits16, bits64 };
+  enum class Width : std::uint8_t { bits16, bits32, bits64 };
   explicit FrameCounter(Width width = Width::bits16) noexcept : width_(width) {}
 
   /// The index of the frame with this id. Late and repeated frames get the index that they had or would have had.
@@ -24,11 +24,12 @@ class FrameCounter {
       newest_id_ = id;
       return newest_index_;
     }
-    const bool wraps = width_ == Width::bits16 && id <= kTurn && newest_id_ <= kTurn;
-    const std::uint64_t ahead = wraps ? (id + kTurn - newest_id_) % kTurn : id - newest_id_;
-    const std::uint64_t half = wraps ? kTurn / 2 : std::uint64_t{1} << 63;
+    const std::uint64_t turn = width_ == Width::bits32 ? std::uint64_t{1} << 32 : 65535;
+    const bool wraps = width_ == Width::bits32 || (width_ == Width::bits16 && id <= turn && newest_id_ <= turn);
+    const std::uint64_t ahead = wraps ? (id + turn - newest_id_) % turn : id - newest_id_;
+    const std::uint64_t half = wraps ? turn / 2 : std::uint64_t{1} << 63;
     if (ahead > half) {
-      const std::uint64_t behind = wraps ? kTurn - ahead : newest_id_ - id;
+      const std::uint64_t behind = wraps ? turn - ahead : newest_id_ - id;
       return newest_index_ > behind ? newest_index_ - behind : 0;
     }
     newest_id_ = id;
@@ -45,8 +46,6 @@ class FrameCounter {
   bool started() const noexcept { return started_; }
 
  private:
-  static constexpr std::uint64_t kTurn = 65535;
-
   Width width_;
   bool fresh_ = true, started_ = false;
   std::uint64_t newest_id_ = 0, newest_index_ = 0, jump_ = 0;

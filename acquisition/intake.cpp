@@ -59,8 +59,11 @@ Intake::Intake(const std::vector<CameraInfo>& cameras, const IntakeOptions& opti
     losses.push_back(&lanes_.back()->losses);
   }
   if (cameras.size() == 1) return;
-  const std::size_t patience = lossless_ ? Bundler::kForever : options.bundle_patience_frames;
-  bundler_ = std::make_unique<Bundler>(std::move(losses), options.bundle_patience_frames + 2, patience);
+  const BundlerOptions bundling{.room = options.bundle_patience_frames + 2,
+                                .patience = lossless_ ? BundlerOptions::kForever : options.bundle_patience_frames,
+                                .bound_ns = options.bound_ns,
+                                .pairing = options.pairing};
+  bundler_ = std::make_unique<Bundler>(std::move(losses), bundling);
   bundling_ = std::thread([this] { bundle(); });
   pthread_setname_np(bundling_.native_handle(), "rptv-bundle");
 }

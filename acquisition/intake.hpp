@@ -27,14 +27,17 @@ struct IntakeOptions {
   /// Lossless with several cameras: a camera that gives nothing for so long while another is made to wait for it counts
   /// as silent, and is not waited for until its next frame. Breaks the deadlock of one thread that reads all cameras.
   std::int64_t stall_ns = 1'000'000'000;
+  /// With several cameras: how frames are told to be of one instant, and how long a set may wait for its last frame.
+  PairingOptions pairing = {};
+  std::int64_t bound_ns = BundlerOptions::kNoBound;
 };
 
 /// FrameSink side: the source's threads. next(): one consumer thread. Counters and close(): any thread. All memory is
 /// taken by the constructor. Frame sets must be gone before the Intake is.
 ///
 /// One camera: its frames pass straight from its thread to the consumer under `policy`. Several: a thread of the Intake
-/// pairs them by index, and `policy` applies to sets. It must be a thread: under `newest` a set is superseded while the
-/// consumer is busy, and superseding single frames would break pairs.
+/// pairs them (see Bundler), and `policy` applies to sets. It must be a thread: under `newest` a set is superseded
+/// while the consumer is busy, and superseding single frames would break pairs.
 ///
 /// Every delivered frame is in one set or counted once in losses(camera). Indices that were skipped and that neither a
 /// failed claim nor lose() explains count as `source_gap`; a repeated index as `source_duplicate`; one that comes after
@@ -62,6 +65,8 @@ class Intake final : public FrameSink {
   std::uint64_t delivered(std::uint32_t camera) const noexcept;
   /// How the camera's clock stands to the host's; not valid while no frame with a device's time came.
   ClockMapping clock_mapping(std::uint32_t camera) const noexcept;
+  /// How far the camera's times lie from the first camera's; no sets with one camera.
+  ClockSkew skew(std::uint32_t camera) const noexcept { return bundler_ ? bundler_->skew(camera) : ClockSkew{}; }
   std::size_t cameras() const noexcept { return lanes_.size(); }
   /// Slots of the camera that nobody holds, at some moment during the call.
   std::size_t free_slots(std::uint32_t camera) const noexcept;
@@ -69,8 +74,8 @@ class Intake final : public FrameSink {
  private:
   struct Lane;  // acquisition/lane.hpp
   bool accept(Lane& lane, const Frame& frame) noexcept;
-  bool drain(std::uint32_t camera) noexcept;
-  bool drain_all() noexcept;
+  bool drain(std::uint32_t camera, std::int64_t now_ns) noexcept;
+  bool drain_all(std::int64_t now_ns) noexcept;
   void publish(FrameSet& set) noexcept;
   std::int64_t break_stall(std::int64_t& stalled_since_ns) noexcept;
   bool partner_has_ended() const noexcept;

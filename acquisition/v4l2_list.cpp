@@ -17,12 +17,12 @@ std::string text_of(const unsigned char* text, std::size_t most) {
   return all.substr(0, all.find('\0'));
 }
 
-/// "GREY", without the blanks at the end of short codes.
+/// "GREY", without the blanks at the end of short codes; the highest bit means big-endian words, which are not taken.
 std::string name_of_fourcc(std::uint32_t code) {
   std::string name;
   for (int shift = 0; shift < 32; shift += 8) name += static_cast<char>((code >> shift) & 0x7f);
   name.erase(name.find_last_not_of(' ') + 1);
-  return name;
+  return (code >> 31) != 0 ? name + "-BE" : name;
 }
 
 bool describe(V4l2System& system, int descriptor, FoundCamera& found) {

@@ -12,15 +12,20 @@
 
 namespace rptv {
 
-/// One thread per camera waits for the driver, unpacks into the sink's slot and delivers. Indices follow the driver's
-/// sequence numbers, so its drops are gaps. A device that is lost is opened again, a few times a second, until it is
-/// back with the same shape; indices go on, further by what it will have missed at its period, so that it is a gap.
-/// Times are the driver's, of CLOCK_MONOTONIC for nearly every driver. Nothing allocates, locks or throws per frame.
+class V4l2Camera;
+
+/// One thread per camera waits for the driver and delivers what it wrote: straight into the sink's slots where driver
+/// and format allow it (v4l2.memory), else copied or unpacked once. Indices follow the driver's sequence numbers, so
+/// its drops are gaps. A device that is lost, or whose source changed, is opened again when it is plugged in, and now
+/// and then, until it is back with the same shape; indices go on, further by what it will have missed at its period, so
+/// that it is a gap. Times are the driver's, of CLOCK_MONOTONIC for nearly every driver. Nothing allocates, locks or
+/// throws per frame.
 class V4l2Source final : public Source {
  public:
-  /// Opens and sets up every device. Throws Error(configuration, unavailable, permission). `system` must outlive this
-  /// object; null: the real one.
-  explicit V4l2Source(const V4l2Settings& settings, V4l2System* system = nullptr);
+  /// Opens and sets up every device. Throws Error(configuration, unavailable, permission). `pool_frames`: slots per
+  /// camera of the sink to come, of which up to half lie with the driver. `system` must outlive this object; null: the
+  /// real one.
+  V4l2Source(const V4l2Settings& settings, std::size_t pool_frames, V4l2System* system = nullptr);
   ~V4l2Source() override;
 
   const std::vector<CameraInfo>& cameras() const noexcept override { return cameras_; }
@@ -32,10 +37,9 @@ class V4l2Source final : public Source {
   std::vector<DeviceStatus> device_status() const override;
 
  private:
-  class Camera;
   V4l2System real_;
   std::vector<CameraInfo> cameras_;
-  std::vector<std::unique_ptr<Camera>> running_;
+  std::vector<std::unique_ptr<V4l2Camera>> running_;
   std::vector<std::thread> threads_;
 };
 

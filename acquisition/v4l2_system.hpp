@@ -18,6 +18,8 @@ class V4l2System {
   virtual void* mmap(int descriptor, std::size_t bytes, long offset) noexcept;  ///< shared, readable; MAP_FAILED
   virtual int munmap(void* memory, std::size_t bytes) noexcept;
   virtual int poll(pollfd* descriptors, unsigned long count, int timeout_ms) noexcept;
+  /// ioctl, again while signals interrupt it.
+  int call(int descriptor, unsigned long request, void* argument) noexcept;
 };
 
 }  // namespace rptv

@@ -5,13 +5,14 @@
 add_custom_target(concurrent_tests)
 add_custom_target(fuzz_targets)
 
-# rptv_test(name SOURCES… LINK… [LABELS…] [ENVIRONMENT…] [TIMEOUT seconds]): one GoogleTest binary = one ctest entry. Label `concurrent` makes
-# the TSan run build and execute it; tests over shared data use RPTV_SHARED_DATA from the environment and skip without it.
+# rptv_test(name SOURCES… LINK… [LABELS…] [ENVIRONMENT…] [TIMEOUT seconds] [RUNNER command…]): one GoogleTest binary = one ctest entry.
+# Label `concurrent` makes the TSan run build and execute it; tests over shared data use RPTV_SHARED_DATA from the environment and skip
+# without it. RUNNER is what the binary is given to instead of being run here.
 function(rptv_test name)
   if(NOT RPTV_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;ENVIRONMENT;RUNNER" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -25,8 +26,8 @@ function(rptv_test name)
   if(RPTV_SANITIZE)
     target_compile_options(${name} PRIVATE -O0)  # instrumented tests compile in half the time; what they test is at -O1
   endif()
-  add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ARG_ENVIRONMENT}")
+  add_test(NAME ${name} COMMAND ${ARG_RUNNER} $<TARGET_FILE:${name}>)
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()
 
 # rptv_bench(name SOURCES… LINK…): one Google Benchmark binary, never run by ctest.

@@ -31,4 +31,10 @@ struct ClockMapping {
   std::uint64_t restarts = 0;  ///< jumps of the device's clock after which the fit began anew
 };
 
+/// How far one camera's times lie from the first camera's in the sets so far, on the clock that pairs them.
+struct ClockSkew {
+  std::uint64_t sets = 0;
+  std::int64_t p50_ns = 0, p99_ns = 0, max_ns = 0;  ///< absolute values
+};
+
 }  // namespace rptv

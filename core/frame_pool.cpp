@@ -2,7 +2,6 @@
 // Allocation of the frame memory and its first touch.
 #include "core/frame_pool.hpp"
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "core/huge_pages.hpp"
 
 namespace rptv {
 
@@ -29,12 +29,8 @@ std::byte* allocate(std::size_t slots, std::size_t bytes_per_slot) {
   const auto memory_bytes =
       static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* memory = nullptr;
-  // Large pages where there are any: an image of some MB lies on hundreds of small ones, and each costs a look-up.
-  constexpr std::size_t kLargePage = 2 << 20;
-  const std::size_t alignment = slots * stride < kLargePage ? FramePool::kAlignmentBytes : kLargePage;
-  const std::size_t bytes = (slots * stride + alignment - 1) / alignment * alignment;
-  if (stride != 0 && slots <= memory_bytes / stride) memory = std::aligned_alloc(alignment, bytes);
-  if (memory != nullptr && alignment == kLargePage) madvise(memory, bytes, MADV_HUGEPAGE);
+  if (stride != 0 && slots <= memory_bytes / stride)
+    memory = allocate_in_huge_pages(slots * stride, FramePool::kAlignmentBytes);
   if (memory == nullptr)
     throw Error(ExitCode::unavailable, "no memory for " + size + " (this machine has " +
                                            std::to_string(memory_bytes >> 20) + " MiB); lower pool_frames");

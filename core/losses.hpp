@@ -28,16 +28,18 @@ enum class LossCause : std::uint8_t {
   writer_backlog,     ///< file writer behind: row set dropped
   after_close,        ///< came when the stream had been closed
   linking_cut,        ///< subnetworks of tracks that were only approximated: the linker's deadline came first
+  set_skew,           ///< index fits its partners', time does not: sync.tolerance_us
+  set_untimed,        ///< its time is of another clock than sets are paired by: no PTP under sync.mode 'ptp'
   count_              ///< number of causes, not a cause
 };
 inline constexpr std::size_t kLossCauseCount = static_cast<std::size_t>(LossCause::count_);
 
 constexpr std::string_view name_of(LossCause cause) noexcept {
   constexpr std::array<std::string_view, kLossCauseCount> kNames{
-      "source_gap",      "source_outage",     "source_duplicate",  "source_torn",
-      "pool_empty",      "superseded",        "over_bound",        "set_incomplete",
-      "set_stale",       "result_pool_empty", "particle_overflow", "track_overflow",
-      "publish_backlog", "writer_backlog",    "after_close",       "linking_cut"};
+      "source_gap",        "source_outage",  "source_duplicate", "source_torn",    "pool_empty",
+      "superseded",        "over_bound",     "set_incomplete",   "set_stale",      "result_pool_empty",
+      "particle_overflow", "track_overflow", "publish_backlog",  "writer_backlog", "after_close",
+      "linking_cut",       "set_skew",       "set_untimed"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 

@@ -41,10 +41,16 @@ class Tracks {
   std::uint64_t overflow() const noexcept { return overflow_; }  ///< points or deaths refused since clear()
 
   void clear() noexcept {
-    for (auto* ids : {&particle, &births, &deaths}) ids->clear();
+    clear_events();
+    particle.clear();
     for (auto* column : {&x_mm, &y_mm, &z_mm, &vx_mm_s, &vy_mm_s, &vz_mm_s, &residual_mm}) column->clear();
     age_frames.clear();
     estimate.clear();
+  }
+  /// All but the rows, for who gives every row a new value: what clear() and resize() would write once more.
+  void clear_events() noexcept {
+    births.clear();
+    deaths.clear();
     overflow_ = 0;
     adapted_subnets = cut_subnets = 0;
   }

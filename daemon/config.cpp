@@ -54,6 +54,7 @@ void Config::fields(FieldList& list) {
   list.section("aravis", aravis);
   list.section("v4l2", v4l2);
   list.section("intake", intake);
+  list.section("sync", sync);
   list.section("light_field", light_field);
   list.section("linker", linker);
   list.section("publisher", publisher);

@@ -9,6 +9,7 @@
 
 #include "acquisition/aravis_settings.hpp"
 #include "acquisition/intake.hpp"
+#include "acquisition/sync_settings.hpp"
 #include "acquisition/v4l2_settings.hpp"
 #include "core/settings.hpp"
 #include "daemon/publisher.hpp"
@@ -21,6 +22,7 @@ namespace rptv {
 /// Where frames come from; each kind has a section of its own name.
 struct SourceSettings {
   std::string kind = "replay";
+  bool is_live() const { return kind != "replay"; }
   void fields(FieldList& list);
 };
 
@@ -50,6 +52,7 @@ struct Config {
   AravisSettings aravis;
   V4l2Settings v4l2;
   IntakeSettings intake;
+  SyncSettings sync;
   LightFieldSettings light_field;
   LinkerSettings linker;
   PublisherSettings publisher;

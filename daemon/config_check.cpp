@@ -82,6 +82,8 @@ class Checks {
     for (const auto& camera : source_->cameras())
       found += fmt::format(", {} {} x {} px {} bit", camera.name, camera.shape.width_px, camera.shape.height_px,
                            camera.significant_bits);
+    make_intake_options(*config_, *source_);
+    if (const std::string line = sync_warning(*config_, *source_); !line.empty()) warn("source", line);
     const std::int64_t period_ns = source_->nominal_period_ns();
     if (period_ns > 0) return found + fmt::format(", {:.6g} Hz", 1e9 / static_cast<double>(period_ns));
     return found;

@@ -6,10 +6,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 #include "core/json.hpp"
+#include "daemon/machine_files.hpp"
 
 namespace rptv {
 namespace {
@@ -19,34 +18,7 @@ using Verdict = Finding::Verdict;
 
 constexpr long long kSocketBytes = 8'388'608;  // a burst of some images while the receiving thread does not run
 constexpr long long kUsbMegabytes = 1000;      // USB3 cameras with 16 buffers each
-constexpr double kUsable = 0.94;               // of a link, after headers and gaps between packets
 constexpr unsigned kNetRaw = 13;               // CAP_NET_RAW in linux/capability.h
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream copy;
-  copy << stream.rdbuf();  // no exception: a link that is down answers a read of its speed with EINVAL
-  std::string text = copy.str();
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
-}
-
-/// −1 when it cannot be read; some links without carrier say −1 themselves.
-long long number_of(const fs::path& file) {
-  const std::string text = text_of(file);
-  char* end = nullptr;
-  const long long value = std::strtoll(text.c_str(), &end, 10);
-  return end == text.c_str() ? -1 : value;
-}
-
-/// Entries of a folder in order; empty when it is not there.
-std::vector<fs::path> entries(const fs::path& folder) {
-  std::error_code none;
-  std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, none)) found.push_back(entry.path());
-  std::sort(found.begin(), found.end());
-  return found;
-}
 
 Finding at_least(const std::string& name, const fs::path& file, long long needed, const std::string& mend) {
   const long long value = number_of(file);
@@ -54,32 +26,6 @@ Finding at_least(const std::string& name, const fs::path& file, long long needed
   if (value < 0) finding.measured = "cannot be read";
   if (value < needed) finding.verdict = Verdict::warning, finding.mend = mend;
   return finding;
-}
-
-void links(std::vector<Finding>& findings, const fs::path& root, const CameraLoad& load) {
-  const double needed_mbit = load.bytes_per_second * 8e-6 / kUsable;
-  double best_mbit = 0;
-  for (const fs::path& link : entries(root / "sys/class/net")) {
-    const std::string name = link.filename();
-    const long long speed = number_of(link / "speed");
-    if (name == "lo" || speed <= 0) continue;
-    best_mbit = std::max(best_mbit, static_cast<double>(speed));
-    const long long mtu = number_of(link / "mtu");
-    Finding finding{"MTU of " + name, Verdict::ok, fmt::format("{}", mtu), "9000 for GigE Vision cameras", {}};
-    if (mtu < 8000) finding.verdict = Verdict::warning, finding.mend = "ip link set " + name + " mtu 9000";
-    findings.push_back(finding);
-  }
-  if (load.bytes_per_second <= 0) return;
-  Finding budget{"link",
-                 Verdict::ok,
-                 fmt::format("{:.0f} Mbit/s at best", best_mbit),
-                 fmt::format("{:.0f} Mbit/s for the configured images, if they come by network", needed_mbit),
-                 {}};
-  if (best_mbit < needed_mbit) {
-    budget.verdict = best_mbit > 0 ? Verdict::problem : Verdict::warning;
-    budget.mend = "lower the frame rate or the region of interest, or use a faster link";
-  }
-  findings.push_back(budget);
 }
 
 Finding limit(const fs::path& root, const std::string& row, const std::string& name, long long needed,
@@ -130,9 +76,8 @@ std::string_view word(Verdict verdict) {
 
 }  // namespace
 
-std::vector<Finding> examine(const fs::path& root, const CameraLoad& load) {
-  std::vector<Finding> findings;
-  links(findings, root, load);
+std::vector<Finding> examine(const fs::path& root, const std::vector<CameraLoad>& cameras) {
+  std::vector<Finding> findings = examine_links(root, cameras);
   findings.push_back(at_least("net.core.rmem_max", root / "proc/sys/net/core/rmem_max", kSocketBytes,
                               fmt::format("sysctl -w net.core.rmem_max={}", kSocketBytes)));
   const fs::path usb = root / "sys/module/usbcore/parameters/usbfs_memory_mb";

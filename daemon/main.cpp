@@ -1,50 +1,38 @@
 // SPDX-License-Identifier: MIT
-// The one binary: parses the command line and runs the chosen command.
+// rapidptv: links tables by itself, in a moment and in little memory; hands every other command to rapidptv-daemon.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <iostream>
+#include <string_view>
 
-#include "daemon/commands/command.hpp"
+#include "daemon/command_line.hpp"
 
 namespace {
 
-void add_commands(CLI::App& app, rptv::Action& chosen) {
-  for (const auto add :
-       {rptv::add_run, rptv::add_check, rptv::add_show_config, rptv::add_calibrate, rptv::add_reconstruct,
-        rptv::add_link, rptv::add_simulate, rptv::add_score, rptv::add_info, rptv::add_tail, rptv::add_demo,
-        rptv::add_cameras, rptv::add_snapshot, rptv::add_doctor, rptv::add_bench})
-    add(app, chosen);
-}
-
-/// OpenMP's workers would spin between frames, on cores that the other stages need. The runtime reads its environment
-/// only while it is loaded, so the process starts once more with the variable set.
-void let_openmp_sleep(char** argv) {
-  if (getenv("OMP_WAIT_POLICY") != nullptr) return;
-  setenv("OMP_WAIT_POLICY", "passive", 1);
-  execv("/proc/self/exe", argv);  // returns only on failure: then it works as well, with spinning workers
+/// Beside this program in a build tree, in libexec where it is installed.
+std::filesystem::path find_daemon() {
+  std::error_code error;
+  const auto here = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  const auto beside = here / "rapidptv-daemon";
+  return std::filesystem::exists(beside, error) ? beside : here / RPTV_LIBEXEC_FROM_BIN / "rapidptv-daemon";
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  let_openmp_sleep(argv);
-  CLI::App app{"rapidptv: real-time 3D particle tracking", "rapidptv"};
-  app.set_version_flag("--version", RPTV_VERSION);
-  app.require_subcommand(1);
-  rptv::Action chosen;
-  add_commands(app, chosen);
-  try {
-    app.parse(argc, argv);
-    return static_cast<int>(chosen());
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : static_cast<int>(rptv::ExitCode::usage);
-  } catch (const rptv::Error& e) {
-    std::cerr << "rapidptv: " << e.what() << '\n';
-    return static_cast<int>(e.code());
-  } catch (const std::exception& e) {
-    std::cerr << "rapidptv: internal error: " << e.what() << "; please report it with the command line\n";
-    return static_cast<int>(rptv::ExitCode::internal);
+  if (argc > 1 && std::string_view(argv[1]) == "link") {
+    constexpr rptv::AddCommand kLink[] = {rptv::add_link};
+    return rptv::run_command_line(argc, argv, kLink);
   }
+  // OpenMP's workers would spin between frames, on cores that the other stages need. The runtime reads its environment
+  // only while it is loaded.
+  setenv("OMP_WAIT_POLICY", "passive", 0);
+  const std::filesystem::path daemon = find_daemon();
+  execv(daemon.c_str(), argv);
+  std::cerr << "rapidptv: cannot start " << daemon.native() << ": " << std::strerror(errno)
+            << "; it belongs to rapidptv, install both\n";
+  return static_cast<int>(rptv::ExitCode::internal);
 }

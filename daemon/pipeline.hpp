@@ -58,6 +58,7 @@ class Pipeline {
   const Losses& camera_losses(std::uint32_t camera) const noexcept { return intake_.losses(camera); }
   std::uint64_t delivered(std::uint32_t camera) const noexcept { return intake_.delivered(camera); }
   ClockMapping clock_mapping(std::uint32_t camera) const noexcept { return intake_.clock_mapping(camera); }
+  ClockSkew skew(std::uint32_t camera) const noexcept { return intake_.skew(camera); }
   const Losses& stage_losses() const noexcept { return losses_; }
   const Source& source() const noexcept { return *source_; }
   const Linker& linker() const noexcept { return linker_; }  ///< its counters: after stop()

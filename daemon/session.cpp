@@ -17,12 +17,6 @@ double rate_hz(std::uint64_t now, std::uint64_t before, std::int64_t elapsed_ns)
   return elapsed_ns > 0 ? static_cast<double>(now - before) / seconds(elapsed_ns) : 0.0;
 }
 
-void append_losses(std::vector<LossCount>& out, std::string_view place, const Losses& losses) {
-  const auto counts = losses.snapshot();
-  for (std::size_t i = 0; i < kLossCauseCount; ++i)
-    if (counts[i] != 0) out.push_back({std::string(place), static_cast<LossCause>(i), counts[i]});
-}
-
 HandOverPolicy writer_policy(const Config& config) {
   // A recording loses nothing, so the disk may hold it up; a live run must not wait for a disk.
   if (config.intake.policy == "lossless") return Lossless{8};
@@ -31,14 +25,16 @@ HandOverPolicy writer_policy(const Config& config) {
 
 }  // namespace
 
-Session::Session(const Config& config) {
-  auto source = make_source(config);
-  auto reconstructor = make_reconstructor(config, source->cameras());
+Session::Session(const Config& config) : Session(config, make_source(config)) {}
+
+Session::Session(const Config& config, std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor) {
+  if (!reconstructor) reconstructor = make_reconstructor(config, source->cameras());
   for (const CameraInfo& camera : source->cameras()) camera_names_.push_back(camera.name);
   const auto limit_ns = static_cast<std::int64_t>(config.intake.silence_alarm_s * 1e9);
+  sync_warning_ = sync_warning(config, *source);
   alarm_ = std::make_unique<SilenceAlarm>(camera_names_, std::max(limit_ns, 3 * source->nominal_period_ns()));
   PipelineOptions options;
-  options.intake = config.intake.options();
+  options.intake = make_intake_options(config, *source);
   options.max_particles = static_cast<std::size_t>(config.light_field.max_particles);
   options.results_in_flight = static_cast<std::size_t>(config.publisher.queue_depth) + 24;
   pipeline_ = std::make_unique<Pipeline>(std::move(source), std::move(reconstructor), config.linker, options);
@@ -97,6 +93,7 @@ void Session::fill_status(StatusReport& status) {
   append_losses(status.losses, "pipeline", pipeline_->stage_losses());
   append_losses(status.losses, "readers", reader_losses_);
   status.cameras = camera_reports();
+  if (!sync_warning_.empty()) status.warnings.push_back(sync_warning_);
   if (flowing_.load() && !finished()) fill_silence(status, now_ns);
 }
 
@@ -104,7 +101,8 @@ std::vector<CameraReport> Session::camera_reports() const {
   std::vector<CameraReport> reports;
   for (DeviceStatus& device : pipeline_->source().device_status()) {
     const auto c = static_cast<std::uint32_t>(reports.size());
-    reports.push_back({camera_names_[c], std::move(device), pipeline_->delivered(c), pipeline_->clock_mapping(c)});
+    reports.push_back({camera_names_[c], std::move(device), pipeline_->delivered(c), pipeline_->clock_mapping(c),
+                       pipeline_->skew(c)});
   }
   return reports;
 }

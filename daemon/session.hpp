@@ -30,6 +30,8 @@ struct SessionReport {
 class Session {
  public:
   explicit Session(const Config& config);
+  /// With a source of the caller's own, and a reconstruction; null: the one that the configuration asks for.
+  Session(const Config& config, std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor = nullptr);
   ~Session();
 
   const std::vector<std::string>& endpoints() const noexcept { return publisher_->endpoints(); }
@@ -58,6 +60,7 @@ class Session {
   Losses reader_losses_;  // of publisher and writer
   std::vector<std::string> camera_names_;
   std::vector<CameraReport> last_cameras_;  // before the source was stopped
+  std::string sync_warning_;
   std::unique_ptr<SilenceAlarm> alarm_;     // publisher's thread only
   std::atomic<bool> flowing_{false};        // between start() and stop()
   std::unique_ptr<Pipeline> pipeline_;
@@ -73,6 +76,11 @@ class Session {
 /// The source, and the reconstruction for its cameras, that the configuration asks for. Throw Error.
 std::unique_ptr<Source> make_source(const Config& config);
 std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras);
+/// How the source's frames come in, and how its cameras are paired: a recording by index, live ones as [sync] says.
+/// Throws Error(configuration).
+IntakeOptions make_intake_options(const Config& config, const Source& source);
+/// What every status says about the way live cameras are paired; empty when that is in order.
+std::string sync_warning(const Config& config, const Source& source);
 
 /// The report as text for people, and as one JSON object.
 std::string to_text(const SessionReport& report);

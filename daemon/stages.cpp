@@ -32,12 +32,23 @@ std::unique_ptr<Source> make_aravis_source(const Config& config) {
 
 std::unique_ptr<Source> make_source(const Config& config) {
   if (config.source.kind == "aravis") return make_aravis_source(config);
-  if (config.source.kind == "v4l2") return std::make_unique<V4l2Source>(config.v4l2);
+  if (config.source.kind == "v4l2")
+    return std::make_unique<V4l2Source>(config.v4l2, static_cast<std::size_t>(config.intake.pool_frames));
   std::unique_ptr<Progress> bar;
   return std::make_unique<ReplaySource>(config.replay, [&bar](std::size_t done, std::size_t total) {
     if (!bar) bar = std::make_unique<Progress>("decode", total);
     bar->advance(done - bar->done());
   });
+}
+
+IntakeOptions make_intake_options(const Config& config, const Source& source) {
+  IntakeOptions options = config.intake.options();
+  if (config.source.is_live()) config.sync.apply(options, source.cameras().size(), source.nominal_period_ns());
+  return options;
+}
+
+std::string sync_warning(const Config& config, const Source& source) {
+  return config.source.is_live() ? config.sync.warning(source.cameras().size()) : std::string();
 }
 
 std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {

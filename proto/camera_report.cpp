@@ -8,6 +8,11 @@
 #include "rapidptv.pb.h"
 
 namespace rptv {
+namespace {
+
+double microseconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-3; }
+
+}  // namespace
 
 void write_camera(const CameraReport& report, rapidptv::Camera& message) {
   message.set_name(report.name);
@@ -21,6 +26,13 @@ void write_camera(const CameraReport& report, rapidptv::Camera& message) {
     auto& entry = *message.add_counters();
     entry.set_name(counter.name);
     entry.set_count(counter.count);
+  }
+  if (report.skew.sets != 0) {
+    auto& skew = *message.mutable_skew();
+    skew.set_sets(report.skew.sets);
+    skew.set_p50_ns(report.skew.p50_ns);
+    skew.set_p99_ns(report.skew.p99_ns);
+    skew.set_max_ns(report.skew.max_ns);
   }
   if (const Outage& outage = report.device.last_outage; outage.number > 0) {
     auto& entry = *message.mutable_last_outage();
@@ -48,6 +60,7 @@ CameraReport read_camera(const rapidptv::Camera& message) {
                         outage.frames_due()};
   report.clock = {message.has_clock(), message.clock().offset_ns(), message.clock().drift_ppm(),
                   message.clock().restarts()};
+  report.skew = {message.skew().sets(), message.skew().p50_ns(), message.skew().p99_ns(), message.skew().max_ns()};
   return report;
 }
 
@@ -59,15 +72,19 @@ std::string to_json(const CameraReport& report) {
   if (report.clock.valid)
     clock = fmt::format(R"({{"offset_ns":{},"drift_ppm":{},"restarts":{}}})", report.clock.offset_ns,
                         json_number(report.clock.drift_ppm), report.clock.restarts);
+  std::string skew = "null";
+  if (report.skew.sets != 0)
+    skew = fmt::format(R"({{"sets":{},"p50_ns":{},"p99_ns":{},"max_ns":{}}})", report.skew.sets, report.skew.p50_ns,
+                       report.skew.p99_ns, report.skew.max_ns);
   std::string outage = "null";
   if (const Outage& last = report.device.last_outage; last.number > 0)
     outage = fmt::format(R"({{"number":{},"first_frame":{},"duration_ns":{},"frames_due":{}}})", last.number,
                          last.first_frame, last.duration_ns, last.frames_due);
   return fmt::format(
-      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"last_outage":{}}})",
+      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"last_outage":{},"skew":{}}})",
       json_string(report.name), json_string(name_of(report.device.state)), json_string(report.device.device),
       json_string(report.device.link), json_string(report.device.problem), report.device.sessions, report.delivered,
-      counters, clock, outage);
+      counters, clock, outage, skew);
 }
 
 std::string to_line(const CameraReport& report) {
@@ -81,6 +98,9 @@ std::string to_line(const CameraReport& report) {
                         static_cast<double>(device.last_outage.duration_ns) * 1e-9, device.last_outage.first_frame);
   if (report.clock.valid && report.clock.restarts > 0)
     line += fmt::format(", its clock jumped {} times", report.clock.restarts);
+  if (report.skew.sets != 0)
+    line += fmt::format(", skew P50 {:.1f} P99 {:.1f} max {:.1f} us", microseconds(report.skew.p50_ns),
+                        microseconds(report.skew.p99_ns), microseconds(report.skew.max_ns));
   if (!device.link.empty()) line += "; " + device.link;
   if (!device.problem.empty()) line += "; " + device.problem;
   return line;

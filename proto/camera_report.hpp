@@ -20,6 +20,7 @@ struct CameraReport {
   DeviceStatus device;
   std::uint64_t delivered = 0;  ///< frames that it gave, whatever became of them
   ClockMapping clock;
+  ClockSkew skew;  ///< against the first camera
 };
 
 void write_camera(const CameraReport& report, rapidptv::Camera& message);

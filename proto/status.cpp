@@ -12,6 +12,12 @@ LatencySummary summary_of(const LatencyHistogram& histogram) noexcept {
           .max_ns = histogram.max_ns()};
 }
 
+void append_losses(std::vector<LossCount>& out, std::string_view place, const Losses& losses) {
+  const auto counts = losses.snapshot();
+  for (std::size_t i = 0; i < kLossCauseCount; ++i)
+    if (counts[i] != 0) out.push_back({std::string(place), static_cast<LossCause>(i), counts[i]});
+}
+
 void StatusReport::clear() noexcept {
   state = RunState::starting;
   frames_in = results_out = messages_sent = queue_full = 0;

@@ -36,6 +36,9 @@ struct LossCount {
   std::uint64_t count = 0;
 };
 
+/// Appends one entry for each cause that has been counted at `place`.
+void append_losses(std::vector<LossCount>& out, std::string_view place, const Losses& losses);
+
 /// One hand-over between threads.
 struct QueueFill {
   std::string name;

@@ -15,20 +15,22 @@ constexpr std::size_t kFitBlock = 16;
 }  // namespace
 
 ExplainAway::ExplainAway(const RayWindow& window, const ExplainOptions& options)
-    : window_(window),
-      options_(options),
+    : options_(options),
+      search_(window, options.max_rays),
       fits_(options.threads, ParticleFit(window, options.fit, options.max_rays)),
       taken_(options.max_rays),
+      near_(2 * options.max_rays),
       owner_(options.max_rays),
       owner_distance_(options.max_rays) {
   tentative_.reserve(options.max_candidates);
   particles_.reserve(options.max_particles);
+  near_end_.reserve(options.max_particles);
 }
 
 void ExplainAway::begin(const Rays& rays) noexcept {
   particles_.clear();
   refused_ = 0;
-  std::fill_n(taken_.begin(), rays.pixels, std::uint8_t{0});
+  std::fill_n(taken_.begin(), rays.size, std::uint8_t{0});
 }
 
 bool ExplainAway::acceptable(const FittedParticle& particle) const noexcept {
@@ -51,7 +53,9 @@ void ExplainAway::queue_up(std::span<const Candidate> candidates) noexcept {
 
 // Fits again where claims have taken rays since the last fit; false when nothing is left to find here.
 bool ExplainAway::improve(const Rays& rays, Tentative& candidate) noexcept {
-  candidate.particle = fits_[0].fit(rays, taken_, candidate.particle.at);
+  // Claims are settled in the end, by fits of their own.
+  candidate.particle =
+      fits_[0].fit(rays, taken_, candidate.particle.at, options_.claim ? FitFor::place : FitFor::result);
   candidate.fitted = true;
   return acceptable(candidate.particle);
 }
@@ -90,10 +94,9 @@ bool ExplainAway::accept(const Rays& rays, const FittedParticle& particle) noexc
 void ExplainAway::claim(const Rays& rays, const FittedParticle& particle) noexcept {
   const auto& gate = options_.fit.gate;
   const double reach_mm = kClaimWider * gate.half_width_at(particle.at.z);
-  window_.visit(rays, particle.at, reach_mm, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i)
-      if (gate.distance(offset_of(rays.ray[i], particle.at)) <= reach_mm) taken_[rays.pixel[i]] = 1;
-  });
+  for (const std::uint32_t i : search_.find(rays, gate, particle.at, reach_mm)) {
+    for (std::uint32_t same = i; taken_[same] == 0; same = rays.same_pixel[same]) taken_[same] = 1;
+  }
 }
 
 bool ExplainAway::known(const FittedParticle& particle) const noexcept {
@@ -104,30 +107,40 @@ bool ExplainAway::known(const FittedParticle& particle) const noexcept {
   });
 }
 
+// Keeps the rays that it finds near each particle, as far as there is room, for fit_owned().
 void ExplainAway::assign(const Rays& rays) noexcept {
   std::fill_n(owner_.begin(), rays.pixels, -1);
+  near_end_.clear();
   std::fill_n(owner_distance_.begin(), rays.pixels, 1.0F);
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     const auto& at = particles_[k].at;
     const double half_width_mm = options_.fit.gate.half_width_at(at.z);
-    window_.visit(rays, at, half_width_mm, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        const auto distance =
-            static_cast<float>(options_.fit.gate.distance(offset_of(rays.ray[i], at)) / half_width_mm);
-        if (distance >= owner_distance_[rays.pixel[i]]) continue;
-        owner_distance_[rays.pixel[i]] = distance;
-        owner_[rays.pixel[i]] = static_cast<std::int32_t>(k);
-      }
-    });
+    const auto per_half_width = static_cast<float>(1 / half_width_mm);
+    const auto near = search_.find(rays, options_.fit.gate, at, half_width_mm);
+    const std::size_t begin = near_end_.empty() ? 0 : near_end_.back();
+    if (near_end_.size() == k && near.size() <= near_.size() - begin) {
+      std::copy(near.begin(), near.end(), near_.begin() + static_cast<std::ptrdiff_t>(begin));
+      near_end_.push_back(begin + near.size());
+    }
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      const std::uint32_t pixel = rays.pixel[near[i]];
+      const float distance = search_.distances_mm()[i] * per_half_width;
+      if (distance >= owner_distance_[pixel]) continue;
+      owner_distance_[pixel] = distance;
+      owner_[pixel] = static_cast<std::int32_t>(k);
+    }
   }
 }
 
-void ExplainAway::fit_owned(const Rays& rays) noexcept {
+void ExplainAway::fit_owned(const Rays& rays, FitFor purpose) noexcept {
   const std::size_t blocks = (particles_.size() + kFitBlock - 1) / kFitBlock;
   parallel_for(blocks, options_.threads, [&](std::size_t block, std::size_t thread) {
     const std::size_t last = std::min((block + 1) * kFitBlock, particles_.size());
-    for (std::size_t k = block * kFitBlock; k < last; ++k)
-      particles_[k] = fits_[thread].fit_owned(rays, owner_, static_cast<std::int32_t>(k), particles_[k].at);
+    for (std::size_t k = block * kFitBlock; k < last; ++k) {
+      const ImagePoint at = particles_[k].at;
+      const auto near = k < near_end_.size() ? near_of(k) : fits_[thread].find_near(rays, at);
+      particles_[k] = fits_[thread].fit_owned(rays, near, owner_, static_cast<std::int32_t>(k), at, purpose);
+    }
   });
 }
 
@@ -138,7 +151,7 @@ void ExplainAway::drop_weak() noexcept {
 void ExplainAway::settle(const Rays& rays) noexcept {
   for (int pass = 0; options_.claim && pass < kSettlePasses; ++pass) {
     assign(rays);
-    fit_owned(rays);
+    fit_owned(rays, pass + 1 < kSettlePasses ? FitFor::place : FitFor::result);
     drop_weak();
   }
   std::sort(particles_.begin(), particles_.end(),

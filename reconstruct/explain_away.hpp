@@ -56,16 +56,21 @@ class ExplainAway {
   void claim(const Rays& rays, const FittedParticle& particle) noexcept;
   bool known(const FittedParticle& particle) const noexcept;
   void assign(const Rays& rays) noexcept;
-  void fit_owned(const Rays& rays) noexcept;
+  std::span<const std::uint32_t> near_of(std::size_t k) const noexcept {
+    return {near_.data() + (k == 0 ? 0 : near_end_[k - 1]), near_.data() + near_end_[k]};
+  }
+  void fit_owned(const Rays& rays, FitFor purpose) noexcept;
   void drop_weak() noexcept;
 
-  const RayWindow& window_;
   const ExplainOptions options_;
-  std::vector<ParticleFit> fits_;  // per thread
-  std::vector<std::uint8_t> taken_;
+  NearRays search_;
+  std::vector<ParticleFit> fits_;     // per thread
+  std::vector<std::uint8_t> taken_;   // per ray; all rays of a pixel together
   std::vector<Tentative> tentative_;  // candidates by support: a heap
   std::vector<FittedParticle> particles_;
-  std::vector<std::int32_t> owner_;  // particle of each pixel; -1: none
+  std::vector<std::uint32_t> near_;    // rays near the first particles, one after the other
+  std::vector<std::size_t> near_end_;  // where those of each end
+  std::vector<std::int32_t> owner_;    // particle of each pixel; -1: none
   std::vector<float> owner_distance_;
   std::uint64_t refused_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/huge_pages.hpp"
 #include "core/image.hpp"
 #include "core/instruction_set.hpp"
 
@@ -25,9 +26,12 @@ class DarkLimit {
 
   std::size_t size() const noexcept { return limits_.size(); }
   std::span<const std::uint16_t> limits() const noexcept { return limits_; }
+  /// All limits are equal: whoever reads the first ones knows all.
+  bool uniform() const noexcept { return uniform_; }
 
  private:
-  std::vector<std::uint16_t> limits_;
+  std::vector<std::uint16_t, HugePages<std::uint16_t>> limits_;
+  bool uniform_;
 };
 
 /// Writes the indices (row·width + column) of pixels above their limit into `lit`, in raster order, and returns how

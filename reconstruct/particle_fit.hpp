@@ -7,17 +7,16 @@
 #include <vector>
 
 #include "reconstruct/fit_covariance_kernel.hpp"
-#include "reconstruct/ray_gate_kernel.hpp"
+#include "reconstruct/near_rays.hpp"
 #include "reconstruct/ray_sums.hpp"
-#include "reconstruct/ray_window.hpp"
 
 namespace rptv {
 
 /// A particle placed by its rays, in image space.
 struct FittedParticle {
   ImagePoint at;
-  double support = 0;  ///< rays that it explains
-  double residual_mm = 0;
+  double support = 0;      ///< rays that it explains
+  double residual_mm = 0;  ///< as covariance, only where it was asked for
   FitCovariance covariance{};
   double light = 0;       ///< grey values in all; 0: not fitted to the image
   double seen = 0;        ///< share of its light that falls on the sensor
@@ -34,20 +33,28 @@ struct FitOptions {
   double min_support = 3;
 };
 
+/// What a fit is for: to find a place, or to end there, with residual and covariance.
+enum class FitFor : std::uint8_t { place, result };
+
 /// One workspace per thread; nothing allocates after construction. Rays are read, never changed.
 class ParticleFit {
  public:
   ParticleFit(const RayWindow& window, const FitOptions& options, std::size_t max_rays);
 
-  /// Fits the free rays (taken[pixel] == 0) near `start`. support 0: too few rays, or they give no depth.
-  FittedParticle fit(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& start) noexcept;
+  /// Fits the free rays (taken[ray] == 0) near `start`. support 0: too few rays, or they give no depth.
+  FittedParticle fit(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& start,
+                     FitFor purpose) noexcept;
 
-  /// One least-squares step with exactly those rays inside the gate that `owner[pixel] == self`; with statistics.
-  FittedParticle fit_owned(const Rays& rays, std::span<const std::int32_t> owner, std::int32_t self,
-                           const ImagePoint& start) noexcept;
+  /// Rays inside the gate at a point; valid until the next call of any function.
+  std::span<const std::uint32_t> find_near(const Rays& rays, const ImagePoint& at) noexcept {
+    return search_.find(rays, options_.gate, at, options_.gate.half_width_at(at.z));
+  }
+  /// One least-squares step from `start` with those of the rays inside the gate, `near`, that owner[pixel] == self.
+  FittedParticle fit_owned(const Rays& rays, std::span<const std::uint32_t> near, std::span<const std::int32_t> owner,
+                           std::int32_t self, const ImagePoint& start, FitFor purpose) noexcept;
 
   /// Free rays inside the gate at a point.
-  double support_at(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& point) const noexcept;
+  double support_at(const Rays& rays, std::span<const std::uint8_t> taken, const ImagePoint& point) noexcept;
 
   const FitOptions& options() const noexcept { return options_; }
 
@@ -55,12 +62,13 @@ class ParticleFit {
   RaySums sum_within(const ImagePoint& at, double half_width_mm) const noexcept {
     return sum_rays(near_, options_.gate, at, half_width_mm);
   }
-  void keep_near(const ImagePoint& at) noexcept;
-  FittedParticle finish(const ImagePoint& at) const noexcept;
+  FittedParticle finish(const ImagePoint& at, FitFor purpose) const noexcept;
+  FitCovariance covariance_at(const FittedParticle& found, const RaySums& sums, const RayFit& step) const noexcept;
 
-  const RayWindow& window_;
+  const double slope_half_range_;
   const FitOptions options_;
-  RayColumns near_;
+  NearRays search_;
+  RayColumns near_;  // those that are fitted
 };
 
 }  // namespace rptv

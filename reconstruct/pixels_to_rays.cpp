@@ -38,10 +38,10 @@ PixelsToRays::PixelsToRays(const LightFieldCalibration& calibration, const Lensl
   slope_half_range_ = farthest_mm / calibration.lenslets.focal_length_mm;
 }
 
-Ray PixelsToRays::ray_of(std::uint32_t pixel, std::uint32_t lenslet) const noexcept {
+inline Ray PixelsToRays::ray_of(std::uint32_t column, std::uint32_t row, std::uint32_t lenslet) const noexcept {
   const auto [centre_x, centre_y] = lattice_.centre_mm(lenslet);
-  const float x = (static_cast<float>(pixel % width_) - axis_x_px_) * pixel_mm_;
-  const float y = (static_cast<float>(pixel / width_) - axis_y_px_) * pixel_mm_;
+  const float x = (static_cast<float>(column) - axis_x_px_) * pixel_mm_;
+  const float y = (static_cast<float>(row) - axis_y_px_) * pixel_mm_;
   return {centre_x, centre_y, (centre_x - x) * per_focal_length_, (centre_y - y) * per_focal_length_};
 }
 
@@ -49,23 +49,34 @@ std::size_t PixelsToRays::convert(std::span<const std::uint32_t> lit, Rays& rays
   auto& first = rays.first_of_lenslet;
   std::fill(first.begin(), first.end(), 0U);
   std::size_t total = 0, pixels = 0;
+  std::uint32_t* kept =
+      rays.kept_lenslets.data();           // per pixel: lenslets, then how many, so that it can be read from behind
   for (; pixels < lit.size(); ++pixels) {  // count rays per lenslet
     if (pixels + kAhead < lit.size()) __builtin_prefetch(&lenslets_[lit[pixels + kAhead] * hypotheses_]);
     const auto* mine = &lenslets_[lit[pixels] * hypotheses_];
-    const auto have = static_cast<std::size_t>(
-        std::count_if(mine, mine + hypotheses_, [](auto lenslet) { return lenslet != LensletLattice::kNone; }));
-    if (total + have > rays.capacity()) break;
-    for (std::size_t k = 0; k < have; ++k) ++first[mine[k] + 1];
+    if (total + hypotheses_ > rays.capacity() || pixels == rays.capacity()) break;
+    std::uint32_t have = 0;
+    for (; have < hypotheses_ && mine[have] != LensletLattice::kNone; ++have) {
+      ++first[mine[have] + 1];
+      *kept++ = mine[have];
+    }
+    *kept++ = have;
     total += have;
   }
   for (std::size_t l = 1; l < first.size(); ++l) first[l] += first[l - 1];
+  std::uint32_t row = pixels > 0 ? lit[pixels - 1] / width_ : 0, row_start = row * width_;
   for (std::size_t p = pixels; p-- > 0;) {  // place them from behind; first[l + 1] walks down to the start of l
-    if (p >= kAhead) __builtin_prefetch(&lenslets_[lit[p - kAhead] * hypotheses_]);
-    const auto* mine = &lenslets_[lit[p] * hypotheses_];
-    for (std::size_t k = 0; k < hypotheses_ && mine[k] != LensletLattice::kNone; ++k) {
-      const auto at = --first[mine[k] + 1];
-      rays.ray[at] = ray_of(lit[p], mine[k]);
+    const std::uint32_t have = *--kept;
+    kept -= have;
+    while (lit[p] < row_start) row_start -= width_, --row;
+    std::uint32_t first_at = 0, last_at = 0;
+    for (std::size_t k = 0; k < have; ++k) {
+      const auto at = --first[kept[k] + 1];
+      rays.ray[at] = ray_of(lit[p] - row_start, row, kept[k]);
       rays.pixel[at] = static_cast<std::uint32_t>(p);
+      if (k == 0) first_at = at;
+      rays.same_pixel[at] = first_at, rays.same_pixel[k == 0 ? at : last_at] = at;
+      last_at = at;
     }
   }
   // Now first[l + 1] is the start of lenslet l: move down by one and close with the total.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibration/lenslet_lattice.hpp"
+#include "core/huge_pages.hpp"
 #include "reconstruct/rays.hpp"
 
 namespace rptv {
@@ -24,14 +25,14 @@ class PixelsToRays {
   double slope_half_range() const noexcept { return slope_half_range_; }
 
  private:
-  Ray ray_of(std::uint32_t pixel, std::uint32_t lenslet) const noexcept;
+  Ray ray_of(std::uint32_t column, std::uint32_t row, std::uint32_t lenslet) const noexcept;
 
   const LensletLattice& lattice_;
   const std::size_t hypotheses_;
   const std::uint32_t width_;
   const float pixel_mm_, axis_x_px_, axis_y_px_, per_focal_length_;
   double slope_half_range_ = 0;
-  std::vector<std::uint32_t> lenslets_;  // [pixel][hypothesis]
+  std::vector<std::uint32_t, HugePages<std::uint32_t>> lenslets_;  // [pixel][hypothesis]
 };
 
 }  // namespace rptv

@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The ray counter's loops in AVX-512: 16 rays side by side, and only those that change voxel are written out.
+#include "reconstruct/ray_columns_avx512.hpp"
 #include "reconstruct/ray_count_loops.hpp"
 
 #if defined(__x86_64__)
-#if !defined(__clang__)  // GCC 12 warns of its own intrinsics (its bug 105593), also where they are inlined
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-#include <immintrin.h>
-
+#include <algorithm>
 #include <numeric>
 
 namespace rptv {
 
 namespace {
-
-#define RPTV_AVX512 [[gnu::target("avx512f,avx512bw,avx512vl,avx2,fma,popcnt")]]
 
 struct Rays16 {
   __m512 column, row, column_slope, row_slope;
@@ -48,6 +42,32 @@ RPTV_AVX512 Rays16 load16(const VoxelRays& rays, std::size_t i) noexcept {
           _mm512_loadu_ps(rays.row_slope + i)};
 }
 
+// to_voxels() of the free ones.
+RPTV_AVX512 void load(const VoxelGrid& grid, std::span<const Ray> rays, std::span<const std::uint8_t> taken,
+                      VoxelRays& out) noexcept {
+  const __m512 per_x = _mm512_set1_ps(1.0F / grid.step_x_mm), per_y = _mm512_set1_ps(1.0F / grid.step_y_mm);
+  const __m512 first_x = _mm512_set1_ps(grid.first_x_mm), first_y = _mm512_set1_ps(grid.first_y_mm);
+  const __m512 middle = _mm512_set1_ps(1.5F);
+  __m512 slopes = _mm512_setzero_ps();
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < rays.size(); i += 16) {
+    const std::size_t count = std::min<std::size_t>(rays.size() - i, 16);
+    const __mmask16 free = free_lanes(taken.empty() ? nullptr : &taken[i], count);
+    const Columns16 ray = columns_of(&rays[i], count);
+    const __m512 column_slope = _mm512_mul_ps(ray.slope_x, per_x), row_slope = _mm512_mul_ps(ray.slope_y, per_y);
+    store_packed(out.column + n, free, _mm512_fmadd_ps(_mm512_sub_ps(ray.centre_x, first_x), per_x, middle));
+    store_packed(out.row + n, free, _mm512_fmadd_ps(_mm512_sub_ps(ray.centre_y, first_y), per_y, middle));
+    store_packed(out.column_slope + n, free, column_slope);
+    store_packed(out.row_slope + n, free, row_slope);
+    const __m512 slope = _mm512_add_ps(_mm512_abs_ps(column_slope), _mm512_abs_ps(row_slope));
+    slopes = _mm512_mask_add_ps(slopes, free, slopes, slope);
+    n += size_of(free);
+  }
+  out.size = n, out.slope_sum = _mm512_reduce_add_ps(slopes);
+  for (float* column : {out.column, out.row, out.column_slope, out.row_slope})
+    std::fill_n(column + n, VoxelRays::kLanes - 1, 0.0F);
+}
+
 struct Depths {
   std::array<float, VoxelChanges::kPlanes> z_mm;
   Depths(const VoxelGrid& grid, std::int32_t first_plane, std::size_t planes) noexcept {
@@ -70,7 +90,7 @@ RPTV_AVX512 void find_changes(const VoxelGrid& grid, const VoxelRays& rays, std:
       std::size_t& count = changes.count[p];
       _mm512_storeu_si512(changes.from[p].data() + count, _mm512_maskz_compress_epi32(moved, before));
       _mm512_storeu_si512(changes.to[p].data() + count, _mm512_maskz_compress_epi32(moved, now));
-      count += static_cast<std::size_t>(_mm_popcnt_u32(moved));
+      count += size_of(moved);
       before = now;
     }
   }
@@ -120,7 +140,7 @@ RPTV_AVX512 std::uint32_t sum_and_mark(std::uint16_t* counts, const std::uint16_
 }  // namespace
 
 const RayCountLoops* ray_count_loops_avx512() noexcept {
-  static constexpr RayCountLoops kLoops{nullptr, find_changes, find_voxels, sum_and_mark};
+  static constexpr RayCountLoops kLoops{load, find_changes, find_voxels, sum_and_mark};
   return &kLoops;
 }
 

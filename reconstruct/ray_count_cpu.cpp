@@ -39,7 +39,7 @@ RayCounter::RayCounter(const VoxelGrid& grid, std::size_t max_rays, std::size_t 
 }
 
 void RayCounter::count(const Rays& rays, std::span<const std::uint8_t> taken, std::uint16_t least) noexcept {
-  loops_.load(grid_, rays.all(), rays.pixel.data(), taken, rays_);
+  loops_.load(grid_, rays.all(), taken, rays_);
   const auto planes = static_cast<std::size_t>(grid_.planes);
   const std::size_t groups = (planes + group_planes_ - 1) / group_planes_;
   parallel_for(groups, changes_.size(),

@@ -11,16 +11,17 @@ namespace {
 
 #define RPTV_INLINE [[gnu::always_inline]] inline
 
-RPTV_INLINE void load(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,
-                      std::span<const std::uint8_t> taken, VoxelRays& out) noexcept {
+RPTV_INLINE void load(const VoxelGrid& grid, std::span<const Ray> rays, std::span<const std::uint8_t> taken,
+                      VoxelRays& out) noexcept {
   std::size_t n = 0;
   float slopes = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const VoxelRay ray = to_voxels(grid, rays[i]);
     out.column[n] = ray.column, out.row[n] = ray.row;
     out.column_slope[n] = ray.column_slope, out.row_slope[n] = ray.row_slope;
-    n += taken.empty() || taken[pixel[i]] == 0;
-    slopes += fabsf(ray.column_slope) + fabsf(ray.row_slope);
+    const bool free = taken.empty() || taken[i] == 0;
+    n += free ? 1 : 0;
+    slopes += free ? fabsf(ray.column_slope) + fabsf(ray.row_slope) : 0.0F;
   }
   out.size = n, out.slope_sum = slopes;
   for (const std::size_t end = n + VoxelRays::kLanes - 1; n < end; ++n)
@@ -80,9 +81,9 @@ RPTV_INLINE std::uint32_t sum_and_mark(std::uint16_t* counts, const std::uint16_
 
 // Those that the compiler makes vector code of, for one instruction set.
 #define RPTV_LOOPS(SET, TARGET)                                                                                    \
-  TARGET void load_##SET(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,             \
-                         std::span<const std::uint8_t> taken, VoxelRays& out) noexcept {                           \
-    load(grid, rays, pixel, taken, out);                                                                           \
+  TARGET void load_##SET(const VoxelGrid& grid, std::span<const Ray> rays, std::span<const std::uint8_t> taken,    \
+                         VoxelRays& out) noexcept {                                                                \
+    load(grid, rays, taken, out);                                                                                  \
   }                                                                                                                \
   TARGET void find_voxels_##SET(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last, \
                                 std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept {    \
@@ -104,8 +105,7 @@ constexpr RayCountLoops k_avx2{load_avx2, find_changes_avx2, find_voxels_avx2, s
 
 const RayCountLoops& ray_count_loops(InstructionSet set) noexcept {
 #if defined(__x86_64__)
-  static const RayCountLoops k_avx512{load_avx2, ray_count_loops_avx512()->find_changes,
-                                      ray_count_loops_avx512()->find_voxels, ray_count_loops_avx512()->sum_and_mark};
+  static const RayCountLoops k_avx512 = *ray_count_loops_avx512();
   if (set == InstructionSet::avx512) return k_avx512;
   if (set == InstructionSet::avx2) return k_avx2;
 #endif

@@ -34,9 +34,9 @@ struct VoxelChanges {
 
 /// One set of loops; all sets give the same integers. Nothing here allocates or throws.
 struct RayCountLoops {
-  /// Fills `out` with the rays whose pixel is free (`taken[pixel] == 0`; empty: all), in their order, and pads.
-  void (*load)(const VoxelGrid& grid, std::span<const Ray> rays, const std::uint32_t* pixel,
-               std::span<const std::uint8_t> taken, VoxelRays& out) noexcept;
+  /// Fills `out` with the rays that are free (`taken[ray] == 0`; empty: all), in their order, and pads.
+  void (*load)(const VoxelGrid& grid, std::span<const Ray> rays, std::span<const std::uint8_t> taken,
+               VoxelRays& out) noexcept;
   /// Changes of rays first … last - 1 (at most kRays; `first` a multiple of kLanes) on planes first_plane … + planes.
   void (*find_changes)(const VoxelGrid& grid, const VoxelRays& rays, std::size_t first, std::size_t last,
                        std::int32_t first_plane, std::size_t planes, VoxelChanges& changes) noexcept;
@@ -52,7 +52,7 @@ struct RayCountLoops {
 /// The loops for `set`, which the processor must have.
 const RayCountLoops& ray_count_loops(InstructionSet set) noexcept;
 
-/// Those loops that have a version of their own in AVX-512 (the others are null); null on other architectures.
+/// Those in AVX-512; null on other architectures.
 const RayCountLoops* ray_count_loops_avx512() noexcept;
 
 #if defined(__x86_64__)

@@ -17,7 +17,7 @@ class RayCounter {
              InstructionSet set = best_instruction_set());
   RayCounter(RayCounter&&) noexcept = default;  // not copied: rays_ points into ray_memory_
 
-  /// Clears all counters, counts those rays whose pixel is free (`taken[pixel] == 0`; an empty `taken` counts all), and
+  /// Clears all counters, counts those rays that are free (`taken[ray] == 0`; an empty `taken` counts all), and
   /// marks the voxels that at least `least` rays go through.
   void count(const Rays& rays, std::span<const std::uint8_t> taken, std::uint16_t least) noexcept;
 

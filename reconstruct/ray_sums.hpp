@@ -17,24 +17,15 @@ class RayColumns {
       : centre_x(capacity + kPadding), centre_y(centre_x), slope_x(centre_x), slope_y(centre_x) {}
 
   std::size_t capacity() const noexcept { return centre_x.size() - kPadding; }
-  void push(const Ray& ray) noexcept {
+  void push(const Ray& ray) noexcept { push_if(ray, true); }
+  /// Written either way, for whether it counts cannot be predicted.
+  void push_if(const Ray& ray, bool counts) noexcept {
     centre_x[size] = ray.centre_x, centre_y[size] = ray.centre_y;
     slope_x[size] = ray.slope_x, slope_y[size] = ray.slope_y;
-    ++size;
+    size += counts ? 1 : 0;
   }
   Ray operator[](std::size_t i) const noexcept { return {centre_x[i], centre_y[i], slope_x[i], slope_y[i]}; }
-  /// Keeps those rays for which `keep(ray)`, in order.
-  template <class Keep>
-  void keep_if(const Keep& keep) noexcept {
-    const std::size_t all = size;
-    size = 0;
-    for (std::size_t i = 0; i < all; ++i) {
-      const Ray ray = (*this)[i];
-      if (keep(ray)) push(ray);
-    }
-  }
-
-  static constexpr std::size_t kPadding = 8;  // a whole vector may be read behind the last ray
+  static constexpr std::size_t kPadding = 16;  // a whole vector may be read or written behind the last ray
   std::vector<float> centre_x, centre_y, slope_x, slope_y;
   std::size_t size = 0;
 };

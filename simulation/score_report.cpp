@@ -70,6 +70,20 @@ std::string to_text(const WallProfile& profile) {
   return text;
 }
 
+std::string to_text(const DuctProfile& profile) {
+  std::string text = fmt::format("{:>10}{:>10}{:>12}{:>8}\n{:>10}{:>10}{:>12}\n", "velocity", "theory", "deviation",
+                                 "steps", "mm/s", "mm/s", "");
+  for (const auto& bin : profile.bins)
+    text += fmt::format("{:>10.4f}{:>10.4f}{:>12}{:>8}\n", bin.velocity_mm_s, bin.theory_mm_s, share(bin.deviation),
+                        bin.steps);
+  text += fmt::format(
+      "flow rate {:.4f} ul/min, standard error {:.4f} (theory {:.4f}); profile off by {} in the centre, {} near walls "
+      "and in corners\n",
+      profile.flow_rate_ul_min, profile.flow_rate_sigma_ul_min, profile.theory.flow_rate_ul_min,
+      share(profile.centre_deviation), share(profile.wall_deviation));
+  return text;
+}
+
 std::string to_json(const Score& score) {
   const auto& d = score.detection;
   std::string text = fmt::format(
@@ -97,6 +111,20 @@ std::string to_json(const WallProfile& profile) {
         R"({}{{"height_mm":{},"amplitude_mm":{},"phase_rad":{},"amplitude_sigma_mm":{},"theory_amplitude_mm":{},"theory_phase_rad":{},"tracks":{},"points":{}}})",
         i == 0 ? "" : ",", bin.height_mm, bin.amplitude_mm, bin.phase_rad, bin.amplitude_sigma_mm,
         bin.theory_amplitude_mm, bin.theory_phase_rad, bin.tracks, bin.points);
+  }
+  return text + "]}";
+}
+
+std::string to_json(const DuctProfile& profile) {
+  const auto number = [](double value) { return std::isnan(value) ? "null" : fmt::format("{}", value); };
+  std::string text = fmt::format(
+      R"({{"steps":{},"flow_rate_ul_min":{},"flow_rate_sigma_ul_min":{},"centre_deviation":{},"wall_deviation":{},"bins":[)",
+      profile.steps, profile.flow_rate_ul_min, profile.flow_rate_sigma_ul_min, number(profile.centre_deviation),
+      number(profile.wall_deviation));
+  for (std::size_t i = 0; i < profile.bins.size(); ++i) {
+    const auto& bin = profile.bins[i];
+    text += fmt::format(R"({}{{"velocity_mm_s":{},"theory_mm_s":{},"deviation":{},"steps":{}}})", i == 0 ? "" : ",",
+                        bin.velocity_mm_s, bin.theory_mm_s, bin.deviation, bin.steps);
   }
   return text + "]}";
 }

@@ -13,6 +13,7 @@
 #include "core/csv.hpp"
 #include "core/error.hpp"
 #include "simulation/flow.hpp"
+#include "simulation/track_time.hpp"
 
 namespace rptv {
 
@@ -36,18 +37,8 @@ using Trajectories = std::map<std::uint64_t, std::vector<Sample>>;
 
 Trajectories trajectories_of(const std::vector<TrackRow>& rows, const WallProfileSettings& settings) {
   Trajectories tracks;
-  for (const auto& row : rows) {
-    double t = row.t_s;
-    if (std::isnan(t)) {
-      if (!(settings.rate_hz > 0))
-        throw Error(ExitCode::bad_data,
-                    fmt::format("the tracks have no time (frame {}, particle {}): write a column t, "
-                                "or give the frame rate",
-                                row.frame, row.particle));
-      t = static_cast<double>(row.frame) / settings.rate_hz;
-    }
-    tracks[row.particle].push_back({t - settings.start_s, row.x_mm, row.y_mm});
-  }
+  for (const auto& row : rows)
+    tracks[row.particle].push_back({time_of(row, settings.rate_hz) - settings.start_s, row.x_mm, row.y_mm});
   return tracks;
 }
 

@@ -2,9 +2,11 @@
 // Builds the grid by a counting sort of points into cells: measure the box, choose the cells, count, sort.
 #include "tracking/cell_grid.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace rptv {
 
@@ -25,8 +27,9 @@ bool finite(double x, double y, double z) noexcept { return (x - x) + (y - y) + 
 
 }  // namespace
 
-CellGrid::CellGrid(std::size_t max_points)
-    : cell_begin_(std::bit_ceil(static_cast<std::size_t>(kMostCells) * std::max(kFewPoints, max_points)) + 2),
+CellGrid::CellGrid(std::size_t max_points, InstructionSet set)
+    : set_(set),
+      cell_begin_(std::bit_ceil(static_cast<std::size_t>(kMostCells) * std::max(kFewPoints, max_points)) + 2),
       cell_of_point_(max_points),
       place_(max_points),
       original_(max_points),
@@ -49,7 +52,35 @@ void CellGrid::build(const double* x, const double* y, const double* z, std::siz
   sort(x, y, z, count);
 }
 
+/// Several points at a time, as the next least value need not wait for the one before it.
+bool CellGrid::measure_axis(const double* values, std::size_t count, std::size_t axis) noexcept {
+  constexpr std::size_t kLanes = 8;
+  double low[kLanes], high[kLanes], sum[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    low[k] = high[k] = values[k % count];
+    sum[k] = 0;
+  }
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const double v = values[i + k];
+      low[k] = v < low[k] ? v : low[k];
+      high[k] = v > high[k] ? v : high[k];
+      sum[k] += v - v;
+    }
+  for (; i < count; ++i) {
+    low[0] = std::min(low[0], values[i]);
+    high[0] = std::max(high[0], values[i]);
+    sum[0] += values[i] - values[i];
+  }
+  low_[axis] = *std::min_element(low, low + kLanes);
+  high_[axis] = *std::max_element(high, high + kLanes);
+  return std::accumulate(sum, sum + kLanes, 0.0) == 0;
+}
+
 std::size_t CellGrid::measure(const double* x, const double* y, const double* z, std::size_t count) noexcept {
+  all_finite_ = count == 0 || (measure_axis(x, count, 0) && measure_axis(y, count, 1) && measure_axis(z, count, 2));
+  if (all_finite_ && count > 0) return count;
   constexpr double kHuge = std::numeric_limits<double>::max();
   low_ = {kHuge, kHuge, kHuge};
   high_ = {-kHuge, -kHuge, -kHuge};
@@ -61,7 +92,6 @@ std::size_t CellGrid::measure(const double* x, const double* y, const double* z,
     high_ = {std::max(high_[0], x[i]), std::max(high_[1], y[i]), std::max(high_[2], z[i])};
   }
   if (finite_points == 0) low_ = high_ = {};
-  all_finite_ = finite_points == count;
   return finite_points;
 }
 
@@ -152,10 +182,14 @@ void CellGrid::sort(const double* x, const double* y, const double* z, std::size
     }
     const std::uint32_t place = cell_begin_[cell_of_point_[i] + 1]++;
     place_[i] = place;
+    original_[place] = static_cast<std::uint32_t>(i);
+  }
+  // Fetched from all over, rather than written all over: a processor waits for few loads at once, but for every store.
+  for (std::size_t place = 0; place < size_; ++place) {
+    const std::uint32_t i = original_[place];
     x_[place] = x[i];
     y_[place] = y[i];
     z_[place] = z[i];
-    original_[place] = static_cast<std::uint32_t>(i);
   }
 }
 

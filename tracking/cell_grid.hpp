@@ -7,9 +7,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/instruction_set.hpp"
 #include "tracking/cell_axis.hpp"
 
 namespace rptv {
+
+struct Stretch;
 
 /// Half-axes of the ellipsoid that is searched, in the unit of the coordinates; equal ones make a ball.
 using SearchRange = std::array<double, 3>;
@@ -29,7 +32,7 @@ class CellGrid {
   static constexpr std::uint32_t kNone = UINT32_MAX;
   static constexpr std::size_t kSlack = 4;  ///< elements that find_near() may write beyond `most`
 
-  explicit CellGrid(std::size_t max_points);
+  explicit CellGrid(std::size_t max_points, InstructionSet set = best_instruction_set());
 
   /// Sorts the first `count` points (at most max_points) of which all coordinates are finite; half-axes > 0.
   void build(const double* x, const double* y, const double* z, std::size_t count, const SearchRange& range) noexcept;
@@ -58,10 +61,12 @@ class CellGrid {
   struct Query;
   void scan(std::uint32_t begin, std::uint32_t end, Query& query) const noexcept;
   void scan_row(std::uint32_t begin, std::uint32_t end, Query& query) const noexcept;
+  void scan_long(Stretch* rows, std::size_t count, Query& query) const noexcept;
   void find_hashed(Query& query) const noexcept;
   void scan_hashed(std::uint32_t cell, std::uint32_t iy, std::uint32_t iz, Query& query) const noexcept;
   std::uint32_t row_of(std::uint32_t iy, std::uint32_t iz) const noexcept;
   std::size_t measure(const double* x, const double* y, const double* z, std::size_t count) noexcept;
+  bool measure_axis(const double* values, std::size_t count, std::size_t axis) noexcept;
   bool cover_box() noexcept;
   std::uint64_t most_shared() const noexcept;
   void hash_around(double x, double y, double z) noexcept;
@@ -69,6 +74,7 @@ class CellGrid {
   std::uint64_t count_cells(const double* x, const double* y, const double* z, std::size_t count) noexcept;
   void sort(const double* x, const double* y, const double* z, std::size_t count) noexcept;
 
+  InstructionSet set_;
   std::size_t size_ = 0;
   std::size_t cells_ = 1;
   bool hashed_ = false;

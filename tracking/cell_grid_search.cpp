@@ -12,9 +12,6 @@ namespace {
 constexpr std::size_t kMostRows = 9;    // that a search meets
 constexpr std::uint32_t kCrowded = 64;  // points in a row
 
-/// Bits for the points from `place` on that a row still has.
-std::uint32_t lanes(std::uint32_t place, std::uint32_t end) noexcept { return (1U << std::min(end - place, 4U)) - 1U; }
-
 }  // namespace
 
 struct CellGrid::Query {
@@ -48,6 +45,19 @@ inline void CellGrid::scan_row(std::uint32_t begin, std::uint32_t end, Query& qu
   const auto middle = static_cast<std::uint32_t>(begin + query.spread % (end - begin));
   scan(middle, end, query);
   scan(begin, middle, query);
+}
+
+/// What is behind the first four points of each row; of crowded rows everything, which leaves them empty.
+void CellGrid::scan_long(Stretch* rows, std::size_t count, Query& query) const noexcept {
+  for (std::size_t k = 0; k < count; ++k) {
+    auto& [begin, end] = rows[k];
+    if (end - begin >= kCrowded) {
+      scan_row(begin, end, query);
+      end = begin;
+    } else if (end - begin > 4) {
+      scan(begin + 4, end, query);
+    }
+  }
 }
 
 /// Points of other rows may have hashed to this cell: they are found in their own.
@@ -90,30 +100,23 @@ std::size_t CellGrid::find_near(double qx, double qy, double qz, std::size_t spr
   const std::uint32_t from_x = axes_[0].window_from(qx, reach_[0]);
   const std::uint32_t from_y = axes_[1].window_from(qy, reach_[1]);
   const std::uint32_t from_z = axes_[2].window_from(qz, reach_[2]);
-  double cost[4 * kMostRows];
-  std::uint32_t begin_of[kMostRows];
-  std::uint64_t near = 0;
+  Stretch rows[kMostRows];
   std::uint32_t row = 0;
+  std::uint32_t longest = 0;
   for (std::uint32_t iz = from_z; iz < from_z + window_[2]; ++iz)
     for (std::uint32_t iy = from_y; iy < from_y + window_[1]; ++iy, ++row) {
       const std::uint32_t cell = (iz * rows_ + iy) * columns_ + from_x;
-      const std::uint32_t begin = cell_begin_[cell];
-      const std::uint32_t end = cell_begin_[cell + window_[0]];
-      if (end - begin >= kCrowded) {
-        begin_of[row] = begin;
-        scan_row(begin, end, query);
-        continue;
-      }
-      const std::uint32_t mask =
-          near_mask(&x_[begin], &y_[begin], &z_[begin], query.ellipsoid, cost + 4 * row) & lanes(begin, end);
-      begin_of[row] = begin;
-      near |= std::uint64_t{mask} << (4 * row);
-      if (end - begin > 4) scan(begin + 4, end, query);
+      rows[row] = {cell_begin_[cell], cell_begin_[cell + window_[0]]};
+      longest = std::max(longest, rows[row].end - rows[row].begin);
     }
+  if (longest > 4) scan_long(rows, row, query);
+  double cost[4 * kMostRows];
+  const auto near_in = set_ == InstructionSet::portable ? near_in_rows : near_in_rows_avx2;
+  std::uint64_t near = near_in(x_.data(), y_.data(), z_.data(), rows, row, query.ellipsoid, cost);
   std::size_t count = query.count;
   for (; near != 0 && count < most; near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(std::countr_zero(near));
-    found[count++] = {cost[k], begin_of[k / 4] + k % 4};
+    found[count++] = {cost[k], rows[k / 4].begin + k % 4};
   }
   return count;
 }

@@ -60,7 +60,7 @@ void Linker::seed(std::span<const VelocitySample> samples) {
 void Linker::next(const Particles& particles, std::uint64_t frame, std::int64_t exposure_end_ns, Tracks& out) noexcept {
   Work& work = *work_;
   const LinkerCounters before = work.counters;
-  out.clear();
+  out.clear_events();
   work.deadline.start(static_cast<std::int64_t>(work.settings.deadline_ms * 1e6));
   work.now = work.clock.advance(frame, exposure_end_ns);
   work.exposure_ns = exposure_end_ns;

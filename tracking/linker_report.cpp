@@ -19,7 +19,7 @@ void Linker::Work::report(const Particles& particles, std::size_t count, Tracks&
   out.age_frames.resize(rows);
   for (auto* column : {&out.x_mm, &out.y_mm, &out.z_mm, &out.vx_mm_s, &out.vy_mm_s, &out.vz_mm_s, &out.residual_mm})
     column->resize(rows);
-  if (motion.filters()) out.estimate.resize(rows);
+  out.estimate.resize(motion.filters() ? rows : 0);
   std::size_t row = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t place = grid.place(i);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Which of four neighbouring points are near: the innermost arithmetic of the search, two numbers at a time.
+// Which of four neighbouring points are near: the innermost arithmetic of the search, two or four numbers at a time.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 #ifdef __SSE2__
@@ -48,5 +50,31 @@ inline std::uint32_t near_mask(const double* x, const double* y, const double* z
   return near_mask_plain(x, y, z, e, cost);
 #endif
 }
+
+/// Points begin … end − 1.
+struct Stretch {
+  std::uint32_t begin, end;
+};
+
+/// Bits for the points from `place` on that a stretch still has.
+inline std::uint32_t lanes(std::uint32_t place, std::uint32_t end) noexcept {
+  return (1U << std::min(end - place, 4U)) - 1U;
+}
+
+/// near_mask() of the first four points of each of up to 16 stretches: costs and bits 4 k … 4 k + 3 belong to stretch
+/// k. Reads four points of each, whether it has them or not.
+inline std::uint64_t near_in_rows(const double* x, const double* y, const double* z, const Stretch* rows,
+                                  std::size_t count, const Ellipsoid& e, double* cost) noexcept {
+  std::uint64_t near = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto [begin, end] = rows[k];
+    const std::uint32_t mask = near_mask(x + begin, y + begin, z + begin, e, cost + 4 * k) & lanes(begin, end);
+    near |= std::uint64_t{mask} << (4 * k);
+  }
+  return near;
+}
+/// The same, bit for bit, where InstructionSet::avx2 is there.
+std::uint64_t near_in_rows_avx2(const double* x, const double* y, const double* z, const Stretch* rows,
+                                std::size_t count, const Ellipsoid& e, double* cost) noexcept;
 
 }  // namespace rptv

@@ -5,7 +5,7 @@
 
 #include "daemon/commands/command.hpp"
 #include "daemon/doctor.hpp"
-#include "daemon/session.hpp"
+#include "daemon/doctor_plan.hpp"
 
 namespace rptv {
 namespace {
@@ -15,19 +15,11 @@ struct DoctorOptions {
   bool json = false;
 };
 
-CameraLoad load_of(const std::string& file) {
-  if (file.empty()) return {};
-  const auto source = make_source(load_config(file));
-  const std::int64_t period_ns = source->nominal_period_ns();
-  CameraLoad load;
-  for (const CameraInfo& camera : source->cameras())
-    if (period_ns > 0)
-      load.bytes_per_second += static_cast<double>(camera.shape.bytes()) * 1e9 / static_cast<double>(period_ns);
-  return load;
-}
-
 ExitCode doctor(const DoctorOptions& options) {
-  const auto findings = examine("/", load_of(options.config));
+  const DoctorPlan plan = options.config.empty() ? DoctorPlan() : plan_of(load_config(options.config));
+  std::vector<Finding> findings = examine("/", plan.cameras);
+  for (const auto& folder : plan.output_folders) findings.push_back(examine_disk(folder, plan.output_bytes_per_second));
+  findings.insert(findings.end(), plan.findings.begin(), plan.findings.end());
   std::cout << (options.json ? to_json(findings) + "\n" : to_text(findings)) << std::flush;
   return has_problem(findings) ? ExitCode::unavailable : ExitCode::ok;
 }
@@ -38,9 +30,12 @@ void add_doctor(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand("doctor", "Say what this machine lacks for cameras, and what mends it");
   command->add_option("-c,--config,config", options->config,
-                      "configuration (TOML): also weigh its images against the links");
+                      "configuration (TOML): also weigh its images against the links and its files against the disk");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
+      "With a configuration it opens the cameras for a moment, and writes up to 256 MiB, for some 2 s, into a file "
+      "that\n"
+      "nobody sees in the folder of the outputs, to learn how fast the disk is.\n"
       "Exit code 0: no problem (warnings do not count); 69: a problem.\n"
       "Examples:\n"
       "  rapidptv doctor\n"

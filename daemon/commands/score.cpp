@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `rapidptv score`: measured points or tracks against the truth, and the wall profile they give.
+// `rapidptv score`: measured points or tracks against the truth, and the profile of the flow that they give.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -47,13 +47,26 @@ ExitCode run_score(const ScoreOptions& options) {
       throw Error(ExitCode::bad_data, options.measured +
                                           ": has no column 'particle', and a profile needs tracks; link the "
                                           "points first: rapidptv link");
+    const auto tell = [&](const auto& profile) {
+      text += (text.empty() ? "" : "\n") + to_text(profile);
+      json.push_back("\"profile\":" + to_json(profile));
+    };
     const ScenarioSettings scenario = read_scenario(options.scenario);
-    WallProfileSettings settings;
-    settings.rate_hz = scenario.rate_hz;
-    const WallProfile profile = measure_wall_profile(measured.rows, scenario.flow, settings);
-    if (!options.profile_csv.empty()) write_wall_profile(profile, options.profile_csv);
-    text += (text.empty() ? "" : "\n") + to_text(profile);
-    json.push_back("\"profile\":" + to_json(profile));
+    if (scenario.flow.kind == "duct") {
+      const DuctProfile profile = measure_duct_profile(measured.rows, scenario.duct, scenario.rate_hz);
+      if (!options.profile_csv.empty()) write_duct_profile(profile, options.profile_csv);
+      tell(profile);
+    } else if (scenario.flow.kind == "oscillating_wall") {
+      WallProfileSettings settings;
+      settings.rate_hz = scenario.rate_hz;
+      const WallProfile profile = measure_wall_profile(measured.rows, scenario.flow, settings);
+      if (!options.profile_csv.empty()) write_wall_profile(profile, options.profile_csv);
+      tell(profile);
+    } else {
+      throw Error(ExitCode::configuration,
+                  options.scenario + ": flow.kind = '" + scenario.flow.kind +
+                      "' has no profile; give the scenario of an oscillating wall or a duct, or leave --profile out");
+    }
   }
   std::cout << (options.json ? "{" + json.front() + (json.size() > 1 ? "," + json.back() : "") + "}\n" : text);
   return ExitCode::ok;
@@ -71,7 +84,8 @@ void add_score(CLI::App& app, Action& chosen) {
                    "a particle is found when it is this near, per axis: one number or x y z (default 0.1 0.1 0.5)")
       ->expected(1, 3)
       ->delimiter(',');
-  command->add_option("--profile", options->scenario, "scenario (TOML): fit the wall profile and compare with theory");
+  command->add_option("--profile", options->scenario,
+                      "scenario (TOML) of a wall or a duct: measure its profile and compare with theory");
   command->add_option("--profile-csv", options->profile_csv, "also write the profile to this CSV file");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(

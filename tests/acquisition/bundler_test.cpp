@@ -26,14 +26,14 @@ struct Bundling {
       losses.push_back(std::make_unique<Losses>());
       pointers.push_back(losses.back().get());
     }
-    bundler = std::make_unique<Bundler>(std::move(pointers), room, patience);
+    bundler = std::make_unique<Bundler>(std::move(pointers), BundlerOptions{.room = room, .patience = patience});
   }
   void offer(std::size_t camera, std::uint64_t index) {
-    bundler->offer(made_frame(pool.claim(), static_cast<std::uint32_t>(camera), index));
+    bundler->offer(made_frame(pool.claim(), static_cast<std::uint32_t>(camera), index), 0);
   }
   // Every set that can be had now; RC_ASSERTs that each is whole.
   void take_all(Indices& into) {
-    for (FrameSet set; bundler->take(set);) {
+    for (FrameSet set; bundler->take(set, 0);) {
       RC_ASSERT(is_whole(set, losses.size()));
       into.push_back(set.info().index);
     }
@@ -96,7 +96,7 @@ RC_GTEST_PROP(Bundler, behaves_as_a_model_that_thinks_in_instants, ()) {
   const bool forever = *rc::gen::arbitrary<bool>();
   const auto steps = *rc::gen::container<std::vector<std::pair<std::size_t, std::uint64_t>>>(
       rc::gen::pair(rc::gen::inRange<std::size_t>(0, cameras), rc::gen::inRange<std::uint64_t>(0, 4)));
-  Model model{cameras, forever ? Bundler::kForever : patience, {}, 0, {}, {}, {}};
+  Model model{cameras, forever ? BundlerOptions::kForever : patience, {}, 0, {}, {}, {}};
   Bundling real(cameras, patience + 2, model.patience);
   Indices sets;
   Indices next(cameras, 0);
@@ -142,7 +142,7 @@ RC_GTEST_PROP(Bundler, publishes_exactly_what_all_cameras_saw, ()) {
     std::set_intersection(common.begin(), common.end(), one.begin(), one.end(), std::back_inserter(both));
     common = both;
   }
-  Bundling real(cameras, 64, Bundler::kForever);
+  Bundling real(cameras, 64, BundlerOptions::kForever);
   Indices sets;
   Indices offered(cameras, 0);
   for (const std::size_t turn :
@@ -161,7 +161,7 @@ RC_GTEST_PROP(Bundler, publishes_exactly_what_all_cameras_saw, ()) {
 }
 
 TEST(Bundler, gives_a_set_up_at_once_when_its_partner_has_passed_it) {
-  Bundling real(2, 4, Bundler::kForever);
+  Bundling real(2, 4, BundlerOptions::kForever);
   Indices sets;
   real.offer(0, 7);
   real.offer(0, 8);
@@ -192,7 +192,7 @@ TEST(Bundler, has_nothing_to_give_up_when_it_is_empty) {
   Bundling real(3, 2, 0);
   EXPECT_FALSE(real.bundler->give_up_oldest());
   FrameSet set;
-  EXPECT_FALSE(real.bundler->take(set));
+  EXPECT_FALSE(real.bundler->take(set, 0));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Frame ids of 16 and 64 bits become indices that only grow, through wraps, losses, late frames and reconnections.
+// Frame ids of 16, 32 and 64 bits become indices that only grow, through wraps, losses, late frames and reconnections.
 #include "acquisition/frame_counter.hpp"
 
 #include <gtest/gtest.h>
@@ -30,6 +30,14 @@ TEST(FrameCounter, gives_late_and_repeated_frames_their_own_index) {
   EXPECT_EQ(counter.index_of(1), 65536U);
   EXPECT_EQ(counter.index_of(2), 65537U);
   EXPECT_EQ(counter.index_of(3), 65538U);
+}
+
+TEST(FrameCounter, goes_on_from_the_last_of_32_bits_to_0) {
+  FrameCounter counter(FrameCounter::Width::bits32);
+  EXPECT_EQ(counter.index_of(UINT32_MAX - 1), 4294967294U);
+  EXPECT_EQ(counter.index_of(0), 4294967296U);
+  EXPECT_EQ(counter.index_of(UINT32_MAX), 4294967295U) << "it came late";
+  EXPECT_EQ(counter.index_of(70'000), 4295037296U);
 }
 
 TEST(FrameCounter, takes_ids_of_more_bits_as_they_are) {

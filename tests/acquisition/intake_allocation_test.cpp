@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <thread>
+#include <tuple>
 
 #include "tests/acquisition/made_frame.hpp"
 #include "tests/core/allocation_counter.hpp"
@@ -11,7 +12,15 @@
 namespace rptv {
 namespace {
 
-class IntakeAllocation : public testing::TestWithParam<HandOverPolicy> {};
+class IntakeAllocation : public testing::TestWithParam<std::tuple<HandOverPolicy, PairBy>> {
+ protected:
+  static IntakeOptions options() {
+    IntakeOptions options{std::get<HandOverPolicy>(GetParam()), 16, 4, 10'000};
+    options.pairing = {std::get<PairBy>(GetParam()), false, 1'000};
+    options.bound_ns = 100'000;
+    return options;
+  }
+};
 
 // Every kind of frame passes: whole, torn, twice, late, skipped, without a slot, with and without partners.
 void disturb(Intake& intake, std::uint32_t cameras, std::uint64_t index) {
@@ -63,7 +72,7 @@ class Consumer {
 TEST_P(IntakeAllocation, is_none_after_construction) {
   if (!AllocationCounter::kCounts) GTEST_SKIP() << "a sanitizer has replaced malloc";
   for (const std::uint32_t cameras : {1U, 3U}) {
-    Intake intake(small_cameras(cameras), {GetParam(), 16, 4, 10'000});
+    Intake intake(small_cameras(cameras), options());
     Consumer consumer(intake);
     for (std::uint32_t camera = 0; camera < cameras; ++camera) send(intake, camera, 1);
     EXPECT_TRUE(consumer.reaches(1)) << "the threads are up";
@@ -80,7 +89,9 @@ TEST_P(IntakeAllocation, is_none_after_construction) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryPolicy, IntakeAllocation, testing::Values(Newest{}, Lossless{2}, Bounded{2}));
+INSTANTIATE_TEST_SUITE_P(EveryPolicy, IntakeAllocation,
+                         testing::Combine(testing::Values<HandOverPolicy>(Newest{}, Lossless{2}, Bounded{2}),
+                                          testing::Values(PairBy::index, PairBy::index_and_time, PairBy::time)));
 
 }  // namespace
 }  // namespace rptv

@@ -28,6 +28,7 @@ inline Frame made_frame(FrameLease lease, std::uint32_t camera, std::uint64_t in
   Frame frame{{}, kSmallShape, std::move(lease)};
   frame.info.index = index;
   frame.info.camera = camera;
+  frame.info.exposure_end_host_ns = static_cast<std::int64_t>(index) * 1'000'000;
   frame.info.torn = torn;
   const std::uint64_t keys[2] = {key_of(frame.info), key_of(frame.info)};
   if (frame.lease) std::memcpy(frame.lease.get(), keys, sizeof keys);

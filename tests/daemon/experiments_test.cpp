@@ -7,7 +7,7 @@
 
 #include "core/csv.hpp"
 #include "reconstruct/light_field.hpp"
-#include "simulation/duct_flow.hpp"
+#include "simulation/score_report.hpp"
 #include "simulation/wall_profile.hpp"
 #include "tests/reconstruct/shared_data.hpp"
 #include "tracking/linker.hpp"
@@ -134,27 +134,13 @@ TEST(Experiments, the_duct_has_its_flow_rate_and_profile) {
   EXPECT_GE(static_cast<double>(e.found), 0.99 * static_cast<double>(e.in_view));
   EXPECT_LE(static_cast<double>(e.ghosts), 0.01 * static_cast<double>(e.measured));
   EXPECT_LE(e.error_mm, 0.002);
-  const DuctFlow duct({0.2, 0.2, 0.85});
-  std::map<std::uint64_t, TrackRow> last;
-  double along = 0, square = 0, centre = 0, centres = 0, corner = 0, corners = 0;
-  for (const auto& row : e.rows) {
-    const auto before = last.find(row.particle);
-    if (before != last.end()) {
-      const double z = ((row.z_mm + before->second.z_mm) / 2 - off_mm * 1.333 / 400) / depth;
-      const double theory = duct.velocity_mm_s((row.y_mm + before->second.y_mm) / 2, z);
-      const double u = (row.x_mm - before->second.x_mm) / (row.t_s - before->second.t_s);
-      along += u * theory, square += theory * theory;
-      if (theory > 0.6) centre += std::abs(u / theory - 1), ++centres;
-      if (theory < 0.3 && theory > 0.05) corner += std::abs(u / theory - 1), ++corners;
-    }
-    last[row.particle] = row;
-  }
-  fmt::print(
-      "flow rate {:.4f} ul/min (true 0.85); profile off by {:.2f} % in the centre, {:.2f} % near walls and corners\n",
-      0.85 * along / square, 100 * centre / centres, 100 * corner / corners);
-  EXPECT_NEAR(along / square, 1, 0.01);
-  EXPECT_LE(centre / centres, 0.03);
-  EXPECT_LE(corner / corners, 0.04);
+  auto rows = e.rows;
+  for (auto& row : rows) row.z_mm = (row.z_mm - off_mm * 1.333 / 400) / depth;
+  const DuctProfile profile = measure_duct_profile(rows, {0.2, 0.2, 0.85});
+  fmt::print("{}", to_text(profile));
+  EXPECT_NEAR(profile.flow_rate_ul_min / 0.85, 1, 0.01);
+  EXPECT_LE(profile.centre_deviation, 0.03);
+  EXPECT_LE(profile.wall_deviation, 0.04);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ DOORS = [
     (r"cuda|cub/|thrust/", r"reconstruct/\w+_cuda\.cu|core/frame_pool\.\w+", "CUDA"),
     (r"arv\.h|aravis", r"acquisition/aravis_\w+\.cpp|tests/acquisition/.*", "Aravis"),
     (r"linux/videodev2\.h", r"acquisition/v4l2_\w+\.cpp|tests/acquisition/.*", "V4L2"),
+    (r"libudev\.h", r"acquisition/v4l2_watch\.cpp", "libudev"),
     (r"systemd/", r"daemon/supervisor\.cpp", "libsystemd"),
 ]
 CUDA_CODE = re.compile(r"\bcuda[A-Z]\w*\s*\(|\b__global__\b|<<<")

@@ -7,13 +7,32 @@
 #include <random>
 
 #include "reconstruct/lit_pixels.hpp"
+#include "tests/core/instruction_sets.hpp"
 #include "tests/reconstruct/painted_image.hpp"
 
 namespace rptv {
 namespace {
 
 using testing::PaintedImage;
+using testing::sets_here;
 using testing::small_camera;
+
+template <class Pixel>
+void compare_with_plain_loop(const ImageView& view, const std::vector<Pixel>& dark, const DarkLimit& limit) {
+  const auto* pixels = reinterpret_cast<const Pixel*>(view.data);
+  std::vector<std::uint32_t> expected, found;
+  for (std::size_t i = 0; i < dark.size(); ++i)
+    if (pixels[i] > dark[i] + 10.5) expected.push_back(static_cast<std::uint32_t>(i));
+  for (const auto set : sets_here()) {
+    found.assign(dark.size(), 0);
+    found.resize(find_lit_pixels(view, limit, found, set));
+    EXPECT_EQ(found, expected) << name_of(set);
+    const std::size_t room = expected.size() / 2;
+    found.assign(room, 0);
+    EXPECT_EQ(find_lit_pixels(view, limit, found, set), expected.size()) << name_of(set);
+    EXPECT_TRUE(std::equal(found.begin(), found.end(), expected.begin())) << name_of(set);
+  }
+}
 
 template <class Pixel>
 void compare_with_plain_loop(std::size_t width, unsigned highest) {
@@ -24,20 +43,9 @@ void compare_with_plain_loop(std::size_t width, unsigned highest) {
   for (auto& p : dark) p = static_cast<Pixel>(grey(random));
   for (auto& p : image) p = static_cast<Pixel>(rare(random) == 0 ? grey(random) : 0);
   const ImageView view{reinterpret_cast<const std::byte*>(image.data()), shape};
-  const DarkLimit limit({reinterpret_cast<const std::byte*>(dark.data()), shape}, 10.5);
-  std::vector<std::uint32_t> expected, found(shape.pixels());
-  for (std::size_t i = 0; i < image.size(); ++i)
-    if (image[i] > dark[i] + 10.5) expected.push_back(static_cast<std::uint32_t>(i));
-  for (const auto set : {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512}) {
-    if (set > best_instruction_set()) continue;
-    found.assign(shape.pixels(), 0);
-    found.resize(find_lit_pixels(view, limit, found, set));
-    EXPECT_EQ(found, expected) << name_of(set);
-    const std::size_t room = expected.size() / 2;
-    found.assign(room, 0);
-    EXPECT_EQ(find_lit_pixels(view, limit, found, set), expected.size()) << name_of(set);
-    EXPECT_TRUE(std::equal(found.begin(), found.end(), expected.begin())) << name_of(set);
-  }
+  compare_with_plain_loop(view, dark, DarkLimit({reinterpret_cast<const std::byte*>(dark.data()), shape}, 10.5));
+  dark.assign(dark.size(), static_cast<Pixel>(highest / 2));
+  compare_with_plain_loop(view, dark, DarkLimit(shape, highest / 2, 10.5));
 }
 
 TEST(LitPixels, are_those_above_background_and_threshold) {

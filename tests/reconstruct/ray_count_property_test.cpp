@@ -8,17 +8,11 @@
 #include <random>
 
 #include "reconstruct/ray_counter.hpp"
+#include "tests/core/instruction_sets.hpp"
 #include "tests/reconstruct/ray_count_oracle.hpp"
 
 namespace rptv {
 namespace {
-
-std::vector<InstructionSet> sets_here() {
-  std::vector<InstructionSet> sets;
-  for (const auto set : {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512})
-    if (set <= best_instruction_set()) sets.push_back(set);
-  return sets;
-}
 
 struct Case {
   VoxelGrid grid;
@@ -68,7 +62,7 @@ RC_GTEST_PROP(RayCounter, equals_the_plain_loops_bit_for_bit, ()) {
   testing::count_ray_major(any.grid, any.rays, by_rays);
   testing::count_plane_major(any.grid, any.rays, by_planes);
   RC_ASSERT(by_rays == by_planes);
-  for (const auto set : sets_here()) {
+  for (const auto set : testing::sets_here()) {
     RayCounter counter(any.grid, any.rays.capacity(), 2, set);
     for (int repeat = 0; repeat < 2; ++repeat) {
       counter.count(any.rays, {}, least);
@@ -78,18 +72,17 @@ RC_GTEST_PROP(RayCounter, equals_the_plain_loops_bit_for_bit, ()) {
   }
 }
 
-RC_GTEST_PROP(RayCounter, leaves_out_taken_pixels_with_every_instruction_set, ()) {
+RC_GTEST_PROP(RayCounter, leaves_out_taken_rays_with_every_instruction_set, ()) {
   Case any = any_case();
   std::vector<std::uint8_t> taken(any.rays.size);
   Rays free(any.rays.capacity(), 1);
   for (std::size_t i = 0; i < any.rays.size; ++i) {
-    any.rays.pixel[i] = static_cast<std::uint32_t>(any.rays.size - 1 - i);
-    taken[any.rays.pixel[i]] = i % 3 == 0;
+    taken[i] = i % 3 == 0;
     if (i % 3 != 0) free.ray[free.size++] = any.rays.ray[i];
   }
   testing::Counts counts;
   testing::count_ray_major(any.grid, free, counts);
-  for (const auto set : sets_here()) {
+  for (const auto set : testing::sets_here()) {
     RayCounter counter(any.grid, any.rays.capacity(), 1, set);
     counter.count(any.rays, taken, 1);
     expect_equal(counter, counts);
@@ -106,7 +99,7 @@ TEST(RayCounter, equals_the_plain_loops_in_planes_too_large_for_the_cache) {
   large.rays.size = large.rays.pixels = large.rays.capacity();
   testing::Counts counts;
   testing::count_ray_major(large.grid, large.rays, counts);
-  for (const auto set : sets_here()) {
+  for (const auto set : testing::sets_here()) {
     RayCounter counter(large.grid, large.rays.capacity(), 2, set);
     counter.count(large.rays, {}, 3);
     for (std::int32_t z = 0; z < large.grid.planes; ++z)
@@ -127,7 +120,7 @@ TEST(RayCounter, stops_at_65535_where_the_plain_loops_do) {
   testing::Counts counts;
   testing::count_ray_major(grid, rays, counts);
   ASSERT_EQ(std::count(counts.begin(), counts.end(), 65535), 2 * grid.planes);
-  for (const auto set : sets_here()) {
+  for (const auto set : testing::sets_here()) {
     RayCounter counter(grid, rays.capacity(), 1, set);
     counter.count(rays, {}, 11);
     for (std::int32_t z = 0; z < grid.planes; ++z)

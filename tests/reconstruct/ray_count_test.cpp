@@ -90,7 +90,7 @@ TEST(RayCounter, agrees_with_its_own_kernel_called_ray_by_ray) {
   }
 }
 
-TEST(RayCounter, leaves_out_the_rays_of_taken_pixels_and_forgets_the_last_frame) {
+TEST(RayCounter, leaves_out_taken_rays_and_forgets_the_last_frame) {
   const VoxelGrid grid = grid_of(20, 20, 4);
   const Rays rays = random_rays(100, 2);
   RayCounter counter(grid, rays.capacity(), 1);

@@ -38,13 +38,20 @@ std::vector<std::uint32_t> near_by_trial(const Cloud& cloud, double qx, double q
 
 void expect_the_same(const Cloud& cloud, double radius) {
   CellGrid grid(cloud.x.size());
-  grid.build(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.x.size(), {radius, radius, radius});
+  CellGrid plain(cloud.x.size(), InstructionSet::portable);
+  for (CellGrid* built : {&grid, &plain})
+    built->build(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.x.size(), {radius, radius, radius});
   for (std::size_t q = 0; q < cloud.x.size(); ++q) {
     if (!std::isfinite(cloud.x[q] + cloud.y[q] + cloud.z[q])) continue;
     const double qx = cloud.x[q] + 0.4 * radius;
     const double qz = cloud.z[q] - 0.6 * radius;
     std::vector<Near> near(cloud.x.size() + CellGrid::kSlack);
     near.resize(grid.find_near(qx, cloud.y[q], qz, q, near.data(), cloud.x.size()));
+    std::vector<Near> by_plain(cloud.x.size() + CellGrid::kSlack);
+    by_plain.resize(plain.find_near(qx, cloud.y[q], qz, q, by_plain.data(), cloud.x.size()));
+    ASSERT_TRUE(std::equal(near.begin(), near.end(), by_plain.begin(), by_plain.end(),
+                           [](const Near& a, const Near& b) { return a.cost == b.cost && a.place == b.place; }))
+        << "another instruction set finds otherwise";
     std::vector<std::uint32_t> found;
     for (const Near& n : near) {
       EXPECT_LE(n.cost, 1);
