@@ -18,6 +18,7 @@ constexpr std::int64_t kLook_ns = 100'000'000;
 constexpr unsigned kLooksPerSecond = 10;
 constexpr std::int64_t kAnswer_ns = 150'000'000;
 constexpr std::int64_t kReading_ns = 500'000'000, kBetweenLooks_ns = 5'000'000;
+constexpr int kAsleep = 10;                // looks
 constexpr std::uint64_t kSearchEvery = 2;  // unanswered tries: a search delays an answer at the old address
 
 void on_event(void* stream, ArvStreamCallbackType type, ArvBuffer*) noexcept {
@@ -127,11 +128,11 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
 }
 
 // A stream that is closed drops what lies unread with the kernel, uncounted. A receiving thread that sleeps has read
-// all; the packet socket tells of the last packets up to 5 ms late, so it must be seen asleep more than once.
+// all that it was told of; the kernel tells 5 ms late, and later when it is busy, so it must sleep for a while.
 void AravisCamera::Life::let_it_read() const {
   const std::int64_t deadline_ns = host_now_ns() + kReading_ns;
   Wake nobody;
-  for (int asleep = 0; asleep < 3 && host_now_ns() < deadline_ns;) {
+  for (int asleep = 0; asleep < kAsleep && host_now_ns() < deadline_ns;) {
     nobody.wait(nobody.prepare(), kBetweenLooks_ns);
     asleep = buffers.asleep() ? asleep + 1 : 0;
   }

@@ -153,60 +153,6 @@ TEST(Encoder, counts_each_topic_by_itself) {
   EXPECT_EQ(message.boot_id, read_boot_id());
 }
 
-TEST(Encoder, gives_back_status) {
-  StatusReport report;
-  report.state = RunState::running;
-  report.frames_in = 12;
-  report.results_out = 11;
-  report.messages_sent = 10;
-  report.queue_full = 2;
-  report.input_hz = 99.5;
-  report.output_hz = 98.5;
-  report.latency[static_cast<std::size_t>(Stage::linked)] = {
-      .count = 5, .p50_ns = 1, .p99_ns = 2, .p999_ns = 3, .max_ns = 4};
-  report.losses = {{.place = "camera 1", .cause = LossCause::source_torn, .count = 3}};
-  report.queues = {{.name = "publisher", .waiting = 1, .capacity = 8}};
-  report.warnings = {"one \"warning\"\n"};
-  report.cameras.resize(2);
-  report.cameras[0].name = "left";
-  report.cameras[0].device = {
-      DeviceState::lost, "", "", "\"gone\"", 3, {{"n_missing_packets", 4}, {"n_failures", 0}}, {}};
-  report.cameras[1].device.last_outage = {2, 1234, 1'500'000'000, 150};
-  report.cameras[1].clock = {true, -5, 1.5, 0};
-  report.cameras[1].skew = {12, 1'500, 2'500, 3'500};
-  Encoder encoder("s", 1, 1);
-  encoder.status(StatusReport{});
-  WireMessage message;
-  ASSERT_EQ(decode(encoder.status(report), message), "");
-  const auto& got = std::get<StatusReport>(message.content);
-  EXPECT_EQ(got.state, RunState::running);
-  EXPECT_EQ(got.frames_in, 12U);
-  EXPECT_EQ(got.results_out, 11U);
-  EXPECT_EQ(got.messages_sent, 10U);
-  EXPECT_EQ(got.queue_full, 2U);
-  EXPECT_EQ(got.input_hz, 99.5);
-  EXPECT_EQ(got.output_hz, 98.5);
-  EXPECT_EQ(got.latency[static_cast<std::size_t>(Stage::linked)].p999_ns, 3);
-  ASSERT_EQ(got.losses.size(), 1U);
-  EXPECT_EQ(got.losses[0].place, "camera 1");
-  EXPECT_EQ(got.losses[0].cause, LossCause::source_torn);
-  EXPECT_EQ(got.losses[0].count, 3U);
-  ASSERT_EQ(got.queues.size(), 1U);
-  EXPECT_EQ(got.queues[0].capacity, 8U);
-  EXPECT_EQ(got.warnings, report.warnings);
-  ASSERT_EQ(got.cameras.size(), 2U);
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(to_json(got.cameras[i]), to_json(report.cameras[i]));
-  EXPECT_EQ(to_json(got.cameras[0]),
-            R"({"name":"left","state":"lost","device":"","link":"","problem":"\"gone\"","sessions":3,"delivered":0,)"
-            R"("counters":{"n_missing_packets":4,"n_failures":0},"clock":null,"last_outage":null,"skew":null})");
-  EXPECT_THAT(to_json(got.cameras[1]),
-              ::testing::HasSubstr(
-                  R"("clock":{"offset_ns":-5,"drift_ppm":1.5,"restarts":0},"last_outage":)"
-                  R"({"number":2,"first_frame":1234,"duration_ns":1500000000,"frames_due":150},"skew":{"sets":12,)"));
-  EXPECT_THAT(to_line(got.cameras[1]), ::testing::HasSubstr(", gone for 1.5 s until frame 1234"));
-  EXPECT_EQ(to_line(got.cameras[0]), "camera left lost, 0 frames, opened 3 times, n_missing_packets 4; \"gone\"");
-}
-
 TEST(Encoder, gives_back_texts_longer_than_its_first_buffer) {
   Encoder encoder("s", 1, 1);
   const std::string calibration(100'000, 'c');
