@@ -88,7 +88,8 @@ void bench_density(std::ostream& out, const LightFieldBenchOptions&) {
             << density << "  " << std::left << std::setw(15) << way << std::right << std::setprecision(0)
             << std::setw(7) << row.truth << std::setprecision(1) << std::setw(11) << 100 * row.found / row.truth
             << std::setw(13) << 100 * row.matched / row.measured;
-        for (const double square : row.square) out << std::setw(10) << 1e3 * std::sqrt(square / row.found);
+        for (const double square : row.square)
+          out << std::setw(10) << 1e3 * std::sqrt(square / std::max(row.found, 1.0));
         out << std::setw(8) << seconds << std::endl;
       }
 }
