@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The edge of the field, where rims cut the pupil to cat's eyes; calibrated from the white image at full aperture alone.
+// The edge of the field, where rims cut the pupil to cat's eyes; calibrated from the white image at full aperture
+// alone.
 #include <gtest/gtest.h>
 
 #include "tests/bench/light_field_scene.hpp"
