@@ -11,7 +11,8 @@ ResultWriter::ResultWriter(const std::string& tracks_file, const std::string& po
     : queue_(policy, losses, LossCause::writer_backlog) {
   if (!tracks_file.empty()) tracks_ = std::make_unique<TracksWriter>(tracks_file, columns);
   if (!points_file.empty())
-    points_ = std::make_unique<PointsWriter>(points_file, PointColumns{.covariance = true, .ghost = true, .time = true});
+    points_ =
+        std::make_unique<PointsWriter>(points_file, PointColumns{.covariance = true, .ghost = true, .time = true});
   thread_ = std::thread([this] { loop(); });
   pthread_setname_np(thread_.native_handle(), "rptv-write");
 }

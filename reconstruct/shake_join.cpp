@@ -10,7 +10,7 @@ namespace rptv {
 namespace {
 constexpr double kNeighbours = 1.8;  // pitches apart, at most
 constexpr int kStepsOfAJoin = 5;
-constexpr double kAsGood = 0.9;  // of the χ² that both explain: the simpler answer may explain a little less
+constexpr double kAsGood = 0.98;  // of the χ² that both explain: the simpler answer may explain a little less
 }  // namespace
 
 // Both near the array and in neighbouring lenslets; or anywhere on the same rays, one behind the other.

@@ -107,12 +107,17 @@ ScenarioSettings dense_scenario(double per_lenslet, double depth_mm) {
   return s;
 }
 
-std::vector<FitCovariance> bounds_of(const KnownScene& scene) {
+ShakeOptions shake_options_of(const KnownScene& scene) {
   const LensletLattice lattice(scene.calibration);
   const PixelsToRays pixels_to_rays(scene.calibration, lattice, 1);
   const VoxelGrid grid = make_grid(scene.settings, scene.calibration, pixels_to_rays.slope_half_range());
-  const ShakeOptions shake = make_shake_options(
-      scene.settings, scene.calibration, make_explain_options(scene.settings, scene.calibration, grid, kAnyCount));
+  return make_shake_options(scene.settings, scene.calibration,
+                            make_explain_options(scene.settings, scene.calibration, grid, kAnyCount));
+}
+
+std::vector<FitCovariance> bounds_of(const KnownScene& scene) {
+  const LensletLattice lattice(scene.calibration);
+  const ShakeOptions shake = shake_options_of(scene);
   ImageModel model(scene.calibration, lattice, shake.model);
   return cramer_rao_bounds(model, scene.truth,
                            {shake.dark_noise_grey * shake.dark_noise_grey + 1.0 / 12, 1 / shake.electrons_per_grey});

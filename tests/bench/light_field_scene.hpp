@@ -10,6 +10,7 @@
 #include "core/particles.hpp"
 #include "reconstruct/cramer_rao.hpp"
 #include "reconstruct/light_field.hpp"
+#include "reconstruct/shake_options.hpp"
 #include "simulation/scenario.hpp"
 
 namespace rptv::bench {
@@ -41,6 +42,9 @@ ScenarioSettings random_scenario();
 
 /// The same camera, smaller, and so many particles per lenslet of the picture of a box 2 mm wide and `depth_mm` deep.
 ScenarioSettings dense_scenario(double per_lenslet, double depth_mm);
+
+/// What refinement works with in a scene.
+ShakeOptions shake_options_of(const KnownScene& scene);
 
 /// The Cramér-Rao bound of every true particle, with the model and the noise that refinement works with.
 std::vector<FitCovariance> bounds_of(const KnownScene& scene);
