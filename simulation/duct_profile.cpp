@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 
 #include "core/csv.hpp"
 #include "core/error.hpp"
@@ -52,17 +53,45 @@ double deviation_of(const std::vector<Step>& steps, double largest, double from,
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Successive steps of a track share a point, whose error moves them apart: only what tracks pull is independent.
+/// The steps of one track, and the variance of their velocities about the theory's, scaled to the track.
+struct TrackSteps {
+  std::span<const Step> steps;
+  double variance;
+};
+
+std::vector<TrackSteps> by_track(const std::vector<Step>& steps) {
+  std::vector<TrackSteps> tracks;
+  for (auto first = steps.begin(); first != steps.end();) {
+    const auto last = std::find_if(first, steps.end(), [&](const Step& s) { return s.particle != first->particle; });
+    double along = 0, square = 0, left = 0;
+    for (auto s = first; s != last; ++s) along += s->measured * s->theory, square += s->theory * s->theory;
+    for (auto s = first; s != last; ++s) left += std::pow(s->measured - along / square * s->theory, 2);
+    tracks.push_back({{first, last}, left / std::max(static_cast<double>(last - first) - 1, 1.0)});
+    first = last;
+  }
+  return tracks;
+}
+
+/// Weights by each track's own noise, or the typical one where that is greater: a link that went astray must not count
+/// like the others. Successive steps of a track share a point, whose error moves them apart: for the standard error,
+/// only what whole tracks pull is independent.
 void fit_flow_rate(const std::vector<Step>& steps, DuctProfile& profile) {
-  double along = 0, square = 0;
-  for (const auto& step : steps) along += step.measured * step.theory, square += step.theory * step.theory;
+  constexpr double kLeast = 1e-18;  // (mm/s)², of tracks without any noise
+  const std::vector<TrackSteps> tracks = by_track(steps);
+  std::vector<double> variances;
+  for (const auto& track : tracks) variances.push_back(track.variance);
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  const auto weight_of = [&](const TrackSteps& track) { return 1 / std::max({track.variance, *middle, kLeast}); };
+  double along = 0, square = 0, variance = 0;
+  for (const auto& track : tracks)
+    for (const auto& step : track.steps)
+      along += weight_of(track) * step.measured * step.theory, square += weight_of(track) * step.theory * step.theory;
   const double scale = along / square;
-  double pull = 0, variance = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    pull += (steps[i].measured - scale * steps[i].theory) * steps[i].theory;
-    if (i + 1 < steps.size() && steps[i + 1].particle == steps[i].particle) continue;
-    variance += pull * pull;
-    pull = 0;
+  for (const auto& track : tracks) {
+    double pull = 0;
+    for (const auto& step : track.steps) pull += (step.measured - scale * step.theory) * step.theory;
+    variance += std::pow(weight_of(track) * pull, 2);
   }
   profile.flow_rate_ul_min = profile.theory.flow_rate_ul_min * scale;
   profile.flow_rate_sigma_ul_min = std::abs(profile.theory.flow_rate_ul_min) * std::sqrt(variance) / square;

@@ -21,7 +21,7 @@ struct DuctProfileBin {
 
 struct DuctProfile {
   std::vector<DuctProfileBin> bins;   ///< those that have steps, from the walls to the middle
-  double flow_rate_ul_min = 0;        ///< that scales the theory to the measured velocities by least squares
+  double flow_rate_ul_min = 0;        ///< that scales the theory to the measured velocities, each track by its noise
   double flow_rate_sigma_ul_min = 0;  ///< standard error, from what is left over, track by track
   double centre_deviation = 0;  ///< mean of |measured / theory − 1| where the theory is at least 0.8 of its largest
   double wall_deviation = 0;    ///< the same where it is 0.07 to 0.4: near walls and in corners; NaN without any

@@ -25,7 +25,7 @@ using Complex = std::complex<double>;
 struct Swing {
   double height_mm = 0;
   Complex value;
-  double weight = 0;  ///< inverse variance of one component, for unit noise
+  double weight = 0;  ///< inverse variance of one component, 1/mm²; first for unit noise
   double square_sum = 0;
   std::uint64_t points = 0;
 };
@@ -91,10 +91,24 @@ std::vector<Swing> swings_of(const std::vector<TrackRow>& rows, const FlowSettin
   return swings;
 }
 
+/// By each track's own noise, or the typical one where that is greater: two particles that overlapped for a while, or a
+/// link that went astray, leave a track whose errors are ten times the others', and which must not count like them.
+void weigh_by_noise(std::vector<Swing>& swings) {
+  constexpr double kLeast_mm2 = 1e-18;  // of tracks without any noise
+  const auto variance_of = [](const Swing& swing) {
+    return swing.square_sum / (static_cast<double>(swing.points) - 4.0);
+  };
+  std::vector<double> variances;
+  for (const auto& swing : swings) variances.push_back(variance_of(swing));
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  for (auto& swing : swings) swing.weight /= std::max({variance_of(swing), *middle, kLeast_mm2});
+}
+
 Complex stokes(double height_mm, double layer_mm) { return std::exp(Complex(-1.0, -1.0) * (height_mm / layer_mm)); }
 
 /// One layer's weighted mean beside the theory's, over the same tracks.
-WallProfileBin bin_of(const std::vector<const Swing*>& swings, const FlowSettings& flow, double noise_mm) {
+WallProfileBin bin_of(const std::vector<const Swing*>& swings, const FlowSettings& flow) {
   WallProfileBin bin;
   Complex sum, theory;
   double weight = 0;
@@ -108,7 +122,7 @@ WallProfileBin bin_of(const std::vector<const Swing*>& swings, const FlowSetting
   bin.tracks = swings.size();
   bin.height_mm /= weight;
   bin.amplitude_mm = std::abs(sum) / weight;
-  bin.amplitude_sigma_mm = noise_mm / std::sqrt(weight);
+  bin.amplitude_sigma_mm = 1 / std::sqrt(weight);
   bin.theory_amplitude_mm = std::abs(theory) / weight;
   const double layer_phase = -bin.height_mm / flow.stokes_layer_mm;  // unwraps both
   bin.theory_phase_rad = layer_phase + std::arg(theory * std::polar(1.0, -layer_phase));
@@ -177,23 +191,20 @@ void sum_up(WallProfile& profile) {
 
 WallProfile measure_wall_profile(const std::vector<TrackRow>& tracks, const FlowSettings& theory,
                                  const WallProfileSettings& settings) {
-  const auto swings = swings_of(tracks, theory, settings);
+  auto swings = swings_of(tracks, theory, settings);
+  weigh_by_noise(swings);
   WallProfile profile;
   profile.theory = theory;
   profile.tracks = swings.size();
   const auto bins = static_cast<std::size_t>(settings.bins);
   std::vector<std::vector<const Swing*>> members(bins);
-  double squares = 0, freedom = 0;
   for (const auto& swing : swings) {
-    squares += swing.square_sum;
-    freedom += static_cast<double>(swing.points) - 4.0;
     const double position = swing.height_mm / settings.top_mm * static_cast<double>(bins);
     if (position < static_cast<double>(bins))
       members[static_cast<std::size_t>(std::max(0.0, position))].push_back(&swing);
   }
-  const double noise_mm = std::sqrt(squares / freedom);
   for (const auto& layer : members)
-    if (!layer.empty()) profile.bins.push_back(bin_of(layer, theory, noise_mm));
+    if (!layer.empty()) profile.bins.push_back(bin_of(layer, theory));
   const LayerFit fit = fit_layer(swings, theory.stokes_layer_mm);
   profile.wall_amplitude_mm = std::abs(fit.wall);
   profile.wall_phase_rad = std::arg(fit.wall);

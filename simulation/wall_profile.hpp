@@ -43,8 +43,8 @@ struct WallProfile {
 };
 
 /// Least squares of a + b t + c sin(w t) + d cos(w t) to the x of each track (b: drift), then means of the complex
-/// amplitude c + i d over bins of height, weighted by its information. Rows in any order. Throws Error(bad_data) when
-/// no track is long enough. Batch use.
+/// amplitude c + i d over bins of height, weighted by its information and the track's own noise. Rows in any order.
+/// Throws Error(bad_data) when no track is long enough. Batch use.
 WallProfile measure_wall_profile(const std::vector<TrackRow>& tracks, const FlowSettings& theory,
                                  const WallProfileSettings& settings = {});
 
