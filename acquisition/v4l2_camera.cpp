@@ -117,7 +117,7 @@ void V4l2Camera::stream(FrameSink& sink) noexcept {
 
 void V4l2Camera::deliver(FrameSink& sink, V4l2Image& image) noexcept {
   add(dequeued_);
-  follow(image);
+  follow(sink, image);
   Frame frame;
   frame.shape = shape_;
   frame.info.index = index_;
@@ -140,19 +140,25 @@ void V4l2Camera::deliver(FrameSink& sink, V4l2Image& image) noexcept {
 }
 
 /// Images leave a driver in their order, so a step back of its 32 bits is one that counts anew. What a device missed
-/// while it was gone is estimated from its period, so that it is a gap.
-void V4l2Camera::follow(const V4l2Image& image) noexcept {
+/// while it was gone is estimated from its period.
+void V4l2Camera::follow(FrameSink& sink, const V4l2Image& image) noexcept {
   const std::uint32_t step = image.sequence - sequence_;
   const std::int64_t away_ns = image.time_ns - last_time_ns_;
   const bool first = !counter_.started();
   const bool back = !first && !resumed_ && step > UINT32_MAX / 2;
   const bool timed = resumed_ && period_ns_ > 0 && image.clock == ClockId::host_monotonic && away_ns > period_ns_;
   if (back) add(backwards_);
+  const auto due = timed ? static_cast<std::uint64_t>((away_ns + period_ns_ / 2) / period_ns_) - 1 : 0;
   if (back || resumed_)
-    counter_.reopen(timed ? static_cast<std::uint64_t>((away_ns + period_ns_ / 2) / period_ns_) - 1 : 0);
+    counter_.reopen(due);
   else if (!first && step > 1)
     add(gaps_, step - 1);
   index_ = counter_.index_of(image.sequence);
+  if (due > 0) sink.lose(number_, LossCause::source_outage, due);
+  if (resumed_ && !first) {
+    const std::lock_guard lock(status_lock_);
+    status_.last_outage = {status_.last_outage.number + 1, index_, away_ns, due};
+  }
   sequence_ = image.sequence;
   last_time_ns_ = image.time_ns;
   resumed_ = false;

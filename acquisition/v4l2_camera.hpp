@@ -43,7 +43,7 @@ class V4l2Camera {
   void tell(DeviceState state, const std::string& problem);
   void stream(FrameSink& sink) noexcept;
   void deliver(FrameSink& sink, V4l2Image& image) noexcept;
-  void follow(const V4l2Image& image) noexcept;
+  void follow(FrameSink& sink, const V4l2Image& image) noexcept;
   void open_again(FrameSink& sink) noexcept;
   bool stopping() const noexcept { return stopping_.load(std::memory_order_acquire); }
 

@@ -61,8 +61,8 @@ class Session {
   std::vector<std::string> camera_names_;
   std::vector<CameraReport> last_cameras_;  // before the source was stopped
   std::string sync_warning_;
-  std::unique_ptr<SilenceAlarm> alarm_;     // publisher's thread only
-  std::atomic<bool> flowing_{false};        // between start() and stop()
+  std::unique_ptr<SilenceAlarm> alarm_;  // publisher's thread only
+  std::atomic<bool> flowing_{false};     // between start() and stop()
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<ResultWriter> writer_;

@@ -59,7 +59,10 @@ void close_in_the_middle(std::size_t cameras, const HandOverPolicy& policy, std:
   std::vector<std::thread> threads;
   for (std::uint32_t camera = 0; camera < cameras; ++camera)
     threads.emplace_back([&, camera] {
-      for (std::uint64_t index = 1; !stop; ++index) send(intake, camera, index);
+      for (std::uint64_t index = 1; !stop; ++index) {
+        send(intake, camera, index);
+        if (index % 16 == 0) std::this_thread::yield();  // else it holds a core against those who end the round
+      }
     });
   threads.emplace_back([&] {
     while (intake.delivered(0) < moment) std::this_thread::yield();

@@ -99,7 +99,7 @@ V4l2Settings one_camera(const std::string& memory = "auto") {
 struct Outcome {
   std::vector<std::uint64_t> indices;
   std::vector<int> pixels;
-  std::uint64_t gaps = 0, torn = 0, duplicates = 0;
+  std::uint64_t gaps = 0, outage = 0, torn = 0, duplicates = 0;
   DeviceStatus status;
 };
 
@@ -118,6 +118,7 @@ Outcome play(Driver& driver, std::size_t frames, const std::string& memory = "au
   outcome.status = source.device_status().front();
   source.stop();
   outcome.gaps = intake.losses(0).of(LossCause::source_gap);
+  outcome.outage = intake.losses(0).of(LossCause::source_outage);
   outcome.torn = intake.losses(0).of(LossCause::source_torn);
   outcome.duplicates = intake.losses(0).of(LossCause::source_duplicate);
   return outcome;
@@ -170,7 +171,9 @@ TEST(V4l2Source, counts_what_a_device_will_have_missed_while_it_was_gone) {
   Driver driver({{100, false, 0, 10}, {101, false, 0, 30}, {0, false, ENODEV}, {0, false, 0, 230}}, 2, 50);
   const Outcome outcome = play(driver, 3);
   EXPECT_THAT(outcome.indices, testing::ElementsAre(100, 101, 111));
-  EXPECT_EQ(outcome.gaps, 9U);
+  EXPECT_EQ(outcome.outage, 9U);
+  EXPECT_EQ(outcome.gaps, 0U);
+  EXPECT_EQ(outcome.status.last_outage, (Outage{1, 111, 200'000'000, 9}));
 }
 
 TEST(V4l2Source, copies_where_the_driver_takes_no_slots) {
@@ -237,13 +240,10 @@ TEST(V4l2Source, asks_for_devices_and_names_one_that_is_not_there) {
   EXPECT_THROW(V4l2Source(V4l2Settings{}, 16), Error);
   V4l2Settings settings = one_camera();
   settings.devices = {"/dev/no-such-camera"};
-  try {
-    const V4l2Source source(settings, 16);
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::unavailable);
-    EXPECT_THAT(error.what(), testing::HasSubstr("/dev/no-such-camera: No such file or directory"));
-  }
+  const auto open = [&] { V4l2Source(settings, 16); };
+  EXPECT_THAT(open, testing::Throws<Error>(testing::Property(&Error::code, ExitCode::unavailable)));
+  EXPECT_THAT(open,
+              testing::ThrowsMessage<Error>(testing::HasSubstr("/dev/no-such-camera: No such file or directory")));
 }
 
 }  // namespace

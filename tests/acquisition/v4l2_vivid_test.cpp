@@ -30,8 +30,8 @@ void expect_accounted_for(VividSession& session) {
   EXPECT_EQ(session.counter("dequeued"), seen.size() + session.counter("torn") + session.counter("no_slot") +
                                              over_bound + session.lost(LossCause::source_duplicate) +
                                              session.lost(LossCause::after_close));
-  const std::uint64_t lost = session.lost(LossCause::source_gap) + session.lost(LossCause::source_torn) +
-                             session.lost(LossCause::pool_empty) + over_bound;
+  const std::uint64_t lost = session.lost(LossCause::source_gap) + session.lost(LossCause::source_outage) +
+                             session.lost(LossCause::source_torn) + session.lost(LossCause::pool_empty) + over_bound;
   EXPECT_GE(lost, seen.back() - seen.front() + 1 - seen.size());
 }
 
