@@ -27,9 +27,10 @@ int main(int argc, char** argv) {
     constexpr rptv::AddCommand kLink[] = {rptv::add_link};
     return rptv::run_command_line(argc, argv, kLink);
   }
-  // OpenMP's workers would spin between frames, on cores that the other stages need. The runtime reads its environment
-  // only while it is loaded.
+  // OpenMP's workers would spin between frames, on cores that the other stages need: some microseconds, from one loop
+  // of a frame to the next, are enough. The runtime reads its environment only while it is loaded.
   setenv("OMP_WAIT_POLICY", "passive", 0);
+  setenv("GOMP_SPINCOUNT", "3000", 0);
   const std::filesystem::path daemon = find_daemon();
   execv(daemon.c_str(), argv);
   std::cerr << "rapidptv: cannot start " << daemon.native() << ": " << std::strerror(errno)
