@@ -39,22 +39,24 @@ inline std::string content(int file) {
 }  // namespace detail
 
 /// `arguments` without the program's name. Environment variable RAPIDPTV names the binary. It is ended after 60 s.
-/// `as_nobody`: root runs it as user 65534, whom file permissions bind; it need not be reachable for that user.
+/// `as_nobody`: root runs it as user 65534, whom file permissions bind. It need not be reachable for that user, so it
+/// is rapidptv-daemon itself, which rapidptv would look for by its path.
 inline Said run_rapidptv(const std::vector<std::string>& arguments, bool as_nobody = false) {
   const char* binary = std::getenv("RAPIDPTV");
   if (binary == nullptr) std::abort();
   std::vector<char*> words{const_cast<char*>("rapidptv")};
   for (const auto& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
-  const int program = open(binary, O_RDONLY | O_CLOEXEC), out = detail::scratch_file(), err = detail::scratch_file();
+  const bool drops = as_nobody && geteuid() == 0;
+  const int program = open((std::string(binary) + (drops ? "-daemon" : "")).c_str(), O_RDONLY | O_CLOEXEC),
+            out = detail::scratch_file(), err = detail::scratch_file();
   const pid_t child = fork();
   if (child == 0) {
     dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
     dup2(out, STDOUT_FILENO);
     dup2(err, STDERR_FILENO);
     alarm(60);
-    if (as_nobody && geteuid() == 0 && (setgroups(0, nullptr) != 0 || setgid(65534) != 0 || setuid(65534) != 0))
-      _exit(126);
+    if (drops && (setgroups(0, nullptr) != 0 || setgid(65534) != 0 || setuid(65534) != 0)) _exit(126);
     fexecve(program, words.data(), environ);
     _exit(127);
   }
