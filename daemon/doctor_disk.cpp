@@ -27,7 +27,7 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 /// A file that nobody else sees, and that is gone when it is closed, however the process ends.
 int open_nameless(const fs::path& folder) {
-  std::string name = (folder / ".rapidptv-disk-XXXXXX").string();
+  std::string name = (folder / ".rapidptv-disk-").string() + std::string(6, 'X');  // mkostemp fills them in
   const int file = mkostemp(name.data(), O_CLOEXEC);
   if (file >= 0) unlink(name.c_str());
   return file;

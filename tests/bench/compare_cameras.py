@@ -32,13 +32,22 @@ def cpu_s(pid):
     return sum(int((task / "schedstat").read_text().split()[0]) for task in Path(f"/proc/{pid}/task").iterdir()) * 1e-9
 
 
+def let_run(process, seconds):
+    """Waits until the client ends, which it must not do within `seconds`."""
+    try:
+        status = process.wait(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        return
+    sys.exit(f"{process.args[0]} ended with {status} while it should have streamed; see its output by running it alone")
+
+
 def run(command, frames_of):
     """(frames per second, CPU microseconds per frame, what it said)"""
     with tempfile.TemporaryFile("w+") as out:
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
-        time.sleep(WARM_S)
+        let_run(process, WARM_S)
         started, used = time.monotonic(), cpu_s(process.pid)
-        time.sleep(WINDOW_S)
+        let_run(process, WINDOW_S)
         share = (cpu_s(process.pid) - used) / (time.monotonic() - started)
         status = process.wait(timeout=60)
         out.seek(0)
