@@ -17,6 +17,7 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       "  rapidptv calibrate import openptv test_cavity -o rig.toml");
   add_calibrate_lenslets(*command, chosen);
   add_calibrate_volume(*command, chosen);
+  add_calibrate_points(*command, chosen);
   add_calibrate_import(*command, chosen);
   add_calibrate_export(*command, chosen);
 }
