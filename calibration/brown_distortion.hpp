@@ -31,9 +31,6 @@ class BrownDistortion {
   /// The one place within the fold that distort() takes to `seen`, to rounding; none when there is none.
   std::optional<Pixel> undistort(const Pixel& seen) const noexcept;
 
-  /// Radius of the fold, focal lengths; infinite when there is none.
-  double fold_radius() const noexcept { return fold_radius_; }
-
  private:
   double radial(double r2) const noexcept { return 1 + r2 * (k1_ + r2 * (k2_ + r2 * k3_)); }
   Pixel apply(const Pixel& ideal) const noexcept;
@@ -45,7 +42,7 @@ class BrownDistortion {
   double ideal_radius(double seen_radius) const noexcept;
 
   double k1_ = 0, k2_ = 0, k3_ = 0, p1_ = 0, p2_ = 0;
-  double fold_radius_ = std::numeric_limits<double>::infinity();
+  double fold_radius_ = std::numeric_limits<double>::infinity();  ///< focal lengths; infinite: no fold
   bool none_ = true;
 };
 

@@ -95,7 +95,7 @@ SightRay CameraModel::ray(const Pixel& pixel) const noexcept {
   if (!ideal) return kNoRay;
   const Point3 towards = to_rig_ * Point3{(*ideal)[0] - lens.offset_x, (*ideal)[1] - lens.offset_y, 1};
   const auto light = path_.follow((1 / norm(towards)) * towards);
-  return light ? SightRay{light->origin_mm, light->direction} : kNoRay;
+  return light.value_or(kNoRay);
 }
 
 bool CameraModel::in_image(const Pixel& pixel) const noexcept {

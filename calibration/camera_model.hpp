@@ -15,14 +15,6 @@ namespace rptv {
 /// d(column, row)/d(x, y, z), px per mm.
 using PixelJacobian = std::array<std::array<double, 3>, 2>;
 
-/// What light a pixel sees, behind the last interface: unit direction, away from the camera, in the rig's frame.
-struct SightRay {
-  Point3 origin_mm, direction;
-  /// False (and the numbers are NaN) for a pixel that no light reaches: beyond the fold of the distortion, past the
-  /// interfaces, or totally reflected.
-  bool valid() const noexcept { return direction[0] == direction[0]; }
-};
-
 /// Lens and sensor. With x, y in focal lengths from the optical axis, (x', y') = distorted(x + offset_x, y + offset_y),
 /// column = fx·x' + skew·y' + cx and row = fy·y' + cy: c is the centre of the distortion.
 struct CameraIntrinsics {

@@ -25,9 +25,10 @@ RefractiveStack stack_of(const OpenptvCamera& camera, const OpenptvSetup& setup,
                 origin +
                     ": the glass vector is 0, so the glass is nowhere; give its normal, as long as its distance from "
                     "the origin in mm");
-  return {(1 / distance_mm) * camera.glass_mm,
-          {setup.index_before},
-          {{distance_mm + setup.glass_mm, {setup.index_glass}}, {distance_mm, {setup.index_behind}}}};
+  RefractiveStack stack{(1 / distance_mm) * camera.glass_mm, {setup.index_before}, {}};
+  if (setup.glass_mm > 0) stack.interfaces.push_back({distance_mm + setup.glass_mm, {setup.index_glass}});
+  stack.interfaces.push_back({distance_mm, {setup.index_behind}});
+  return stack;
 }
 
 /// Glass vector and media of a stack; air gets a glass of index 1 at 1 mm.

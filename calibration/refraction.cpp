@@ -134,8 +134,8 @@ std::optional<SeenDirection> RefractedPath::derivative_to(const Point3& point) c
   return seen;
 }
 
-std::optional<LightRay> RefractedPath::follow(const Point3& direction) const noexcept {
-  LightRay ray{centre_mm_, direction};
+std::optional<SightRay> RefractedPath::follow(const Point3& direction) const noexcept {
+  SightRay ray{centre_mm_, direction};
   for (std::size_t i = 0; i + 1 < media_; ++i) {
     const double descent = -dot(normal_, ray.direction);
     if (!(descent > 0)) return std::nullopt;

@@ -36,9 +36,12 @@ struct SeenDirection {
   Matrix3 derivative;  ///< d(direction)/d(point), 1/mm or 1
 };
 
-/// Origin and unit direction of a straight piece of light, in the rig's frame.
-struct LightRay {
+/// What light a camera sees, behind the last interface: unit direction, away from the camera, in the rig's frame.
+struct SightRay {
   Point3 origin_mm, direction;
+  /// False (and the numbers are NaN) for a pixel that no light reaches: beyond the fold of the distortion, past the
+  /// interfaces, or totally reflected.
+  bool valid() const noexcept { return direction[0] == direction[0]; }
 };
 
 /// Light between one camera's centre of projection and points behind the stack. Immutable, allocates nothing after
@@ -58,7 +61,7 @@ class RefractedPath {
 
   /// The ray in the last medium of light that leaves the camera along a unit `direction`. None when it does not reach
   /// the interfaces or is totally reflected.
-  std::optional<LightRay> follow(const Point3& direction) const noexcept;
+  std::optional<SightRay> follow(const Point3& direction) const noexcept;
 
   const Point3& centre_mm() const noexcept { return centre_mm_; }
 

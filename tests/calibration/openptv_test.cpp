@@ -115,6 +115,17 @@ RC_GTEST_PROP(Openptv, an_exported_rig_comes_back, ()) {
   }
 }
 
+TEST(Openptv, a_surface_without_glass_comes_back) {
+  const CameraModel model({1280, 1024, 5800, 5800, 639.5, 511.5}, looking_at({50, 0, 600}, {0, 0, 0}, 0),
+                          {{0, 0, 1}, {1}, {{100, {1.33}}}});
+  const Place place;
+  export_openptv({{{"a", model}}}, 0.01, place.file("out"), "rig.toml");
+  const CameraModel back = import_openptv(place.file("out")).rig.cameras.at(0).model;
+  ASSERT_EQ(back.stack().interfaces.size(), 1U);
+  EXPECT_EQ(back.stack().interfaces[0].behind.index, 1.33);
+  EXPECT_NEAR((*back.project({10, 20, 30}))[0], (*model.project({10, 20, 30}))[0], 1e-9);
+}
+
 RC_GTEST_PROP(Openptv, a_distortion_about_another_centre_is_replaced_and_the_difference_told, ()) {
   CameraIntrinsics lens = drawn_lens();
   const bool cubic = *rc::gen::arbitrary<bool>();
