@@ -34,6 +34,7 @@ class GreyOverBackground {
       : pixels_(reinterpret_cast<const Pixel*>(image.data)),
         mean_(dark.mean.data()),
         limits_(dark.limit.limits().data()),
+        table_(dark.limit.uniform() ? 0 : ~std::size_t{0}),
         width_(static_cast<std::int32_t>(image.shape.width_px)),
         height_(static_cast<std::int32_t>(image.shape.height_px)),
         saturation_(saturation > 0 ? static_cast<float>(saturation)
@@ -45,17 +46,23 @@ class GreyOverBackground {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
   Pixel raw(std::size_t i) const noexcept { return pixels_[i]; }
-  float over(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) - mean_[i]; }
-  float over_limit(std::size_t i) const noexcept {
-    return static_cast<float>(pixels_[i]) - static_cast<float>(limits_[i]);
-  }
-  bool lit(std::size_t i) const noexcept { return pixels_[i] > limits_[i]; }
+  float over(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) - mean_[i & table_]; }
+  /// Highest value of over(i) that is still dark.
+  float dark(std::size_t i) const noexcept { return static_cast<float>(limits_[i]) - mean_[i & table_]; }
   bool saturated(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) >= saturation_; }
+  /// Asks for the memory of a square that will be read soon; parts of it may lie outside.
+  void prefetch_square(PixelIndex middle, std::int32_t radius) const noexcept {
+    for (std::int32_t y = std::max(middle.y - radius, 0); y <= std::min(middle.y + radius, height_ - 1); ++y) {
+      const std::size_t i = index(std::max(middle.x - radius, 0), y);
+      __builtin_prefetch(pixels_ + i), __builtin_prefetch(mean_ + (i & table_));
+    }
+  }
 
  private:
   const Pixel* pixels_;
   const float* mean_;
   const std::uint16_t* limits_;
+  std::size_t table_;  // bits of an index into mean_ that count: one value stands for all where all are equal
   std::int32_t width_, height_;
   float saturation_;
 };

@@ -13,7 +13,8 @@ namespace rptv {
 namespace {
 
 constexpr std::size_t kMaximaPerDetection = 4;
-constexpr std::size_t kFewestPixels = 6;  // that can tell the four numbers of a Gaussian and some noise
+constexpr std::size_t kPairsPerMaximum = 8;  // beyond them neighbours keep the pixels between them to themselves
+constexpr std::size_t kFewestPixels = 6;     // that can tell the four numbers of a Gaussian and some noise
 
 SpotMethod method_of(const std::string& name) {
   return name == "three_point" ? SpotMethod::three_point
@@ -78,6 +79,7 @@ SpotFinder::SpotFinder(const DetectorSettings& settings, InstructionSet set)
       room_(kMaximaPerDetection * static_cast<std::size_t>(settings.max_detections)),
       dropped_(room_.size()) {
   spots_.reserve(room_.size());
+  pairs_.reserve(kPairsPerMaximum * room_.size());
 }
 
 // Of two maxima the lower one is noise on the other's image, or one more corner of its plateau, when the grey between
@@ -86,7 +88,9 @@ template <class Pixel>
 void SpotFinder::drop_noise(const GreyOverBackground<Pixel>& grey, DetectorCounts& counts) noexcept {
   const std::int32_t reach = 2 * static_cast<std::int32_t>(options_.radius) + 1;
   std::fill(dropped_.begin(), dropped_.begin() + static_cast<std::ptrdiff_t>(maxima_.size()), std::uint8_t{0});
+  pairs_.clear();
   each_near_pair(maxima_, reach, [&](std::size_t i, std::size_t j) {
+    if (pairs_.size() < pairs_.capacity()) pairs_.push_back({i, j});
     const std::size_t first = grey.index(maxima_[i].x, maxima_[i].y), second = grey.index(maxima_[j].x, maxima_[j].y);
     const bool first_is_lower = grey.raw(first) < grey.raw(second);
     const std::size_t lower = first_is_lower ? first : second;
@@ -94,11 +98,7 @@ void SpotFinder::drop_noise(const GreyOverBackground<Pixel>& grey, DetectorCount
     if (least_between(grey, maxima_[i], maxima_[j]) >= static_cast<float>(grey.raw(lower)) - split_sigmas_ * noise)
       dropped_[first_is_lower ? i : j] = 1;
   });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < maxima_.size(); ++i)
-    if (dropped_[i] == 0) maxima_[kept++] = maxima_[i];
-  counts.merged += maxima_.size() - kept;
-  maxima_ = maxima_.first(kept);
+  for (std::size_t i = 0; i < maxima_.size(); ++i) counts.merged += dropped_[i];
 }
 
 template <class Pixel>
@@ -126,32 +126,56 @@ void SpotFinder::share_pixels() noexcept {
       for (std::int32_t dx = -radius; dx <= radius; ++dx, bit <<= 1)
         if (2 * (dx * ox + dy * oy) >= ox * ox + oy * oy) spot.neighbours |= bit;
   };
-  each_near_pair(maxima_, 2 * radius, [&](std::size_t i, std::size_t j) {
+  for (const auto& [i, j] : pairs_) {
+    if (dropped_[i] != 0 || dropped_[j] != 0) continue;
     yield_to(spots_[i], spots_[j].middle);
     yield_to(spots_[j], spots_[i].middle);
-  });
+  }
 }
 
-// Copies the square of a spot into its lane; returns its lit pixels.
+// Copies the square of a spot into its lane. Lit pixels are those above the limit of the middle one.
 template <class Pixel>
-std::size_t SpotFinder::fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept {
+void SpotFinder::fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept {
   const auto radius = static_cast<std::int32_t>(options_.radius);
+  const auto [middle_x, middle_y] = spot.middle;
+  const float dark = grey.dark(grey.index(middle_x, middle_y));
   std::size_t k = 0, lit = 0, usable = 0;
-  for (std::int32_t y = spot.middle.y - radius; y <= spot.middle.y + radius; ++y)
-    for (std::int32_t x = spot.middle.x - radius; x <= spot.middle.x + radius; ++x, ++k) {
+  for (std::int32_t y = middle_y - radius; y <= middle_y + radius; ++y)
+    for (std::int32_t x = middle_x - radius; x <= middle_x + radius; ++x, ++k) {
       const bool inside = x >= 0 && y >= 0 && x < grey.width() && y < grey.height();
-      if (!inside || (spot.neighbours >> k & 1) != 0) {
-        batch_.grey[k][lane] = batch_.usable[k][lane] = 0;
-        continue;
-      }
-      const std::size_t i = grey.index(x, y);
-      const bool tells = !grey.saturated(i);
-      batch_.grey[k][lane] = grey.over(i);
+      const bool own = inside && (spot.neighbours >> k & 1) == 0;
+      const float over = own ? grey.over(grey.index(x, y)) : 0;
+      const bool tells = own && !grey.saturated(grey.index(x, y));
+      batch_.grey[k][lane] = over;
       batch_.usable[k][lane] = tells ? 1.0F : 0.0F;
-      usable += tells, lit += grey.lit(i);
+      usable += tells, lit += own && over > dark;
     }
   lanes_[lane] = {&spot, lit, usable};
-  return lit;
+}
+
+// The same for most spots, which have their square for themselves, without a branch; false when this is not one of
+// them.
+template <class Pixel>
+bool SpotFinder::fill_plain(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept {
+  const auto radius = static_cast<std::int32_t>(options_.radius);
+  const auto [middle_x, middle_y] = spot.middle;
+  if (spot.neighbours != 0 || middle_x < radius || middle_y < radius || middle_x + radius >= grey.width() ||
+      middle_y + radius >= grey.height())
+    return false;
+  const std::size_t side = 2 * options_.radius + 1;
+  const float dark = grey.dark(grey.index(middle_x, middle_y));
+  std::size_t k = 0, lit = 0, saturated = 0;
+  for (std::int32_t y = middle_y - radius; y <= middle_y + radius; ++y) {
+    const std::size_t first = grey.index(middle_x - radius, y);
+    for (std::size_t i = first; i < first + side; ++i, ++k) {
+      const float over = grey.over(i);
+      batch_.grey[k][lane] = over;
+      batch_.usable[k][lane] = 1;
+      lit += over > dark, saturated += grey.saturated(i);
+    }
+  }
+  lanes_[lane] = {&spot, lit, side * side};
+  return saturated == 0;
 }
 
 void SpotFinder::push(std::size_t lanes, Detections& out) noexcept {
@@ -184,9 +208,14 @@ void SpotFinder::find(const ImageView& image, const DarkPixels& dark, Detections
   drop_noise(grey, counts);
   place_squares(grey);
   share_pixels();
+  constexpr std::size_t kAhead = 6;
   std::size_t lanes = 0;
-  for (const Spot& spot : spots_) {
-    if (fill(grey, spot, lanes) < min_area_px_) {
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (i + kAhead < spots_.size())
+      grey.prefetch_square(spots_[i + kAhead].middle, static_cast<std::int32_t>(options_.radius));
+    if (dropped_[i] != 0) continue;
+    if (!fill_plain(grey, spots_[i], lanes)) fill(grey, spots_[i], lanes);
+    if (lanes_[lanes].lit < min_area_px_) {
       ++counts.too_small;
       continue;
     }

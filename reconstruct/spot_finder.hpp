@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/image.hpp"
@@ -38,7 +39,9 @@ class SpotFinder {
   void place_squares(const GreyOverBackground<Pixel>& grey) noexcept;
   void share_pixels() noexcept;
   template <class Pixel>
-  std::size_t fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept;
+  void fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept;
+  template <class Pixel>
+  bool fill_plain(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept;
   void push(std::size_t lanes, Detections& out) noexcept;
 
   const InstructionSet set_;
@@ -48,9 +51,10 @@ class SpotFinder {
   const double saturation_grey_;
   const std::size_t min_area_px_;
   std::vector<PixelIndex> room_;
-  std::span<PixelIndex> maxima_;       // of this image, within room_
-  std::vector<std::uint8_t> dropped_;  // per maximum
-  std::vector<Spot> spots_;
+  std::span<PixelIndex> maxima_;                            // of this image, within room_
+  std::vector<std::uint8_t> dropped_;                       // per maximum
+  std::vector<Spot> spots_;                                 // one a maximum
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // of maxima near each other
   SpotBatch batch_{};
   SpotCentres centres_{};
   struct Lane {
