@@ -117,7 +117,9 @@ void SeparateSpots::share_pixels() noexcept {
   };
   for (const auto& [i, j] : pairs_) {
     if (spots_[i].merged || spots_[j].merged) continue;
-    spots_[i].crowded = spots_[j].crowded = true;
+    const std::int32_t dx = spots_[i].middle.x - spots_[j].middle.x, dy = spots_[i].middle.y - spots_[j].middle.y;
+    for (Spot* spot : {&spots_[i], &spots_[j]})
+      spot->nearest_px2 = std::min(spot->nearest_px2, static_cast<float>(dx * dx + dy * dy));
     yield_to(spots_[i], spots_[j].middle);
     yield_to(spots_[j], spots_[i].middle);
   }

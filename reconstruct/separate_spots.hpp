@@ -14,15 +14,15 @@
 namespace rptv {
 
 struct Spot {
-  PixelIndex middle;                                      ///< of the square that tells its centre
-  std::uint64_t neighbours = 0;                           ///< bit k: pixel k of the square belongs to another spot
-  bool merged = false;                                    ///< no spot but noise in a brighter one's image
-  bool crowded = false;                                   ///< others are so near that their light falls into the square
+  PixelIndex middle;             ///< of the square that tells its centre
+  std::uint64_t neighbours = 0;  ///< bit k: pixel k of the square belongs to another spot
+  bool merged = false;           ///< no spot but noise in a brighter one's image
+  float nearest_px2 = 1e9F;      ///< squared distance of the nearest other one within crowd_reach()
   double plateau_x = 0, plateau_y = 0, plateau_rows = 0;  ///< saturated pixels; rows: 0 when there are none
 };
 
-/// Spots whose maxima are no further than this from each other, in x and in y, are crowded.
-inline std::int32_t crowd_reach(std::int32_t radius) noexcept { return 2 * radius + 5; }
+/// How far, in x and in y, others are looked for.
+inline std::int32_t crowd_reach(std::int32_t radius) noexcept { return 2 * radius + 8; }
 
 /// All memory is taken by the constructor. One thread.
 class SeparateSpots {
