@@ -21,7 +21,9 @@ struct Spot {
   double plateau_x = 0, plateau_y = 0, plateau_rows = 0;  ///< saturated pixels; rows: 0 when there are none
 };
 
-/// How far, in x and in y, others are looked for.
+/// How far, in x and in y, a maximum may be from the one that it is noise on.
+inline std::int32_t merge_reach(std::int32_t radius) noexcept { return 2 * radius + 1; }
+/// How far others are looked for whose light may fall into a spot's square.
 inline std::int32_t crowd_reach(std::int32_t radius) noexcept { return 2 * radius + 8; }
 
 /// All memory is taken by the constructor. One thread.
@@ -40,7 +42,7 @@ class SeparateSpots {
   void drop_noise(const GreyOverBackground<Pixel>& grey, std::span<const PixelIndex> maxima) noexcept;
   void share_pixels() noexcept;
 
-  const std::int32_t radius_;
+  const std::int32_t radius_, reach_;
   const float split_sigmas_;
   const GreyNoise noise_;
   std::vector<Spot> spots_;

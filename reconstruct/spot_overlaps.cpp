@@ -103,8 +103,10 @@ void SpotOverlaps::fit_batch(std::vector<FittedSpot>& spots) noexcept {
 }
 
 // Spots of one batch do not see each other's change, so they must not be near; those that are wait for the next round.
+// Returns how many fits it made: none is needed where others' light has settled.
 template <class Pixel>
-void SpotOverlaps::sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept {
+std::size_t SpotOverlaps::sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept {
+  std::size_t fits = 0;
   pending_.assign(crowded_.begin(), crowded_.end());
   while (!pending_.empty()) {
     deferred_.clear();
@@ -120,11 +122,13 @@ void SpotOverlaps::sweep(const GreyOverBackground<Pixel>& grey, std::vector<Fitt
       }
       if (!fill(grey, spots[i], batch_size_)) continue;
       in_batch_[batch_size_++] = i;
+      ++fits;
       if (batch_size_ == SpotBatch::kSpots) fit_batch(spots);
     }
     fit_batch(spots);
     pending_.swap(deferred_);
   }
+  return fits;
 }
 
 template <class Pixel>
@@ -150,7 +154,8 @@ std::size_t SpotOverlaps::untangle(const GreyOverBackground<Pixel>& grey, std::v
     if (spots[i].crowded) crowded_.push_back(i);
   }
   for (int search = 0;; ++search) {
-    for (std::int64_t k = 0; k < sweeps_; ++k) sweep(grey, spots);
+    for (std::int64_t k = 0; k < sweeps_ && sweep(grey, spots) > 0; ++k) {
+    }
     remove_false(spots);
     if (!find_hidden_ || search == kSearches || find_hidden(grey, spots) == 0) break;
   }

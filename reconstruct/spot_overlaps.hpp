@@ -30,7 +30,7 @@ class SpotOverlaps {
  private:
   void expect_width(const std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
-  void sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
+  std::size_t sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
   bool fill(const GreyOverBackground<Pixel>& grey, FittedSpot& spot, std::size_t lane) noexcept;
   void fit_batch(std::vector<FittedSpot>& spots) noexcept;
