@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `rapidptv calibrate`: lenslets or volume.
+// `rapidptv calibrate`: cameras, lenslets or volume.
 #include "daemon/commands/calibrate.hpp"
 
 #include <CLI/CLI.hpp>
@@ -11,8 +11,10 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   command->require_subcommand(1);
   command->footer(
       "Examples:\n"
+      "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
       "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
       "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml");
+  add_calibrate_cameras(*command, chosen);
   add_calibrate_lenslets(*command, chosen);
   add_calibrate_volume(*command, chosen);
 }

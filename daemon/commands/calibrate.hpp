@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The two halves of `rapidptv calibrate`.
+// The parts of `rapidptv calibrate`.
 #pragma once
 
 #include "daemon/commands/command.hpp"
 
 namespace rptv {
 
+void add_calibrate_cameras(CLI::App& calibrate, Action& chosen);
 void add_calibrate_lenslets(CLI::App& calibrate, Action& chosen);
 void add_calibrate_volume(CLI::App& calibrate, Action& chosen);
 
