@@ -34,19 +34,21 @@ double edge_slope(double z) {
   return std::abs(z) > kFlat_sigmas ? 0 : std::sqrt(2 / std::numbers::pi) * std::exp(-0.5 * z * z);
 }
 
-Sums sums_of(const GreyImage& image, const std::vector<std::uint8_t>& hidden, const Unknowns& u, double radius_px) {
+/// Over a disc that stays where it is: one that followed the centre would gain and lose pixels at every step, for ever.
+Sums sums_of(const GreyImage& image, const std::vector<std::uint8_t>& hidden, const Pixel& middle, double radius_px,
+             const Unknowns& u) {
   Sums sums;
   const double x0 = u[4], y0 = u[5], blur = u[8];
   const double n1x = -std::sin(u[6]), n1y = std::cos(u[6]), n2x = -std::sin(u[7]), n2y = std::cos(u[7]);
-  const int left = std::max(0, static_cast<int>(std::ceil(x0 - radius_px)));
-  const int right = std::min(image.width - 1, static_cast<int>(std::floor(x0 + radius_px)));
-  const int top = std::max(0, static_cast<int>(std::ceil(y0 - radius_px)));
-  const int bottom = std::min(image.height - 1, static_cast<int>(std::floor(y0 + radius_px)));
+  const int left = std::max(0, static_cast<int>(std::ceil(middle[0] - radius_px)));
+  const int right = std::min(image.width - 1, static_cast<int>(std::floor(middle[0] + radius_px)));
+  const int top = std::max(0, static_cast<int>(std::ceil(middle[1] - radius_px)));
+  const int bottom = std::min(image.height - 1, static_cast<int>(std::floor(middle[1] + radius_px)));
   Unknowns row;
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x) {
       const double dx = x - x0, dy = y - y0;
-      if (dx * dx + dy * dy > radius_px * radius_px) continue;
+      if (std::hypot(x - middle[0], y - middle[1]) > radius_px) continue;
       if (hidden[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)] !=
           0)
         continue;
@@ -72,7 +74,7 @@ std::optional<SaddleFit> fit_saddle(const GreyImage& image, const std::vector<st
   Unknowns u;
   u << start.level, 0, 0, start.contrast, start.centre[0], start.centre[1], start.angle_1, start.angle_2, start.blur_px;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Sums sums = sums_of(image, hidden, u, radius_px);
+    const Sums sums = sums_of(image, hidden, start.centre, radius_px, u);
     if (sums.count < 4 * kUnknowns) return std::nullopt;
     const Eigen::LDLT<Square, Eigen::Lower> factors(sums.square);
     Unknowns change;
