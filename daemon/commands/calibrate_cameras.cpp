@@ -107,10 +107,12 @@ void add_calibrate_cameras(CLI::App& calibrate, Action& chosen) {
                        "the target stands behind a window: its DISTANCE from the first camera and THICKNESS (mm), "
                        "refractive INDEX of the glass, and of the LIQUID")
           ->expected(4)
+          ->allow_extra_args(false)
           ->check(CLI::PositiveNumber);
   command->add_flag("--fit-glass", options->fit_glass, "fit where the window is and how it is turned")->needs(glass);
   command->add_option("--size", options->size_px, "measured points: WIDTH and HEIGHT of the images, px")
       ->expected(2)
+      ->allow_extra_args(false)
       ->check(CLI::PositiveNumber);
   command->add_flag("--json", options->json, "print the report as one JSON object");
   command->footer(
