@@ -10,12 +10,15 @@
 #include <limits>
 #include <numbers>
 
+#include "calibration/board.hpp"
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
 
 namespace {
+
+constexpr std::size_t kLeastSharedViews = 3;  // one view of a flat target leaves its tilt to the noise
 
 double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::infinity();
@@ -133,11 +136,11 @@ std::size_t CameraGraph::degree(std::size_t camera) const noexcept {
 }
 
 CameraGraph link_cameras(const BoardSet& set, std::span<const SingleCamera> cameras, double agree_px) {
-  CameraGraph graph{cameras.size(), agree_px, {}};
+  CameraGraph graph{cameras.size(), agree_px, is_flat(set.target_mm) ? kLeastSharedViews : 1, {}};
   for (std::size_t a = 0; a < cameras.size(); ++a)
     for (std::size_t b = a + 1; b < cameras.size(); ++b)
       if (CameraPair pair = pair_of(set, cameras, a, b, agree_px);
-          pair.views + pair.contradicting.size() >= kLeastSharedViews)
+          pair.views + pair.contradicting.size() >= graph.least_views)
         graph.pairs.push_back(std::move(pair));
   return graph;
 }

@@ -32,12 +32,10 @@ struct CameraPair {
 struct CameraGraph {
   std::size_t cameras = 0;
   double agree_px = 0;            ///< as given to link_cameras()
-  std::vector<CameraPair> pairs;  ///< at least kLeastSharedViews agreeing views; first < second
+  std::size_t least_views = 1;    ///< agreeing or not, that make a pair: 3, or 1 of a target that is not flat
+  std::vector<CameraPair> pairs;  ///< first < second
   std::size_t degree(std::size_t camera) const noexcept;
 };
-
-/// Pairs with this many agreeing views count as linked.
-inline constexpr std::size_t kLeastSharedViews = 3;
 
 /// All pairs. The pose of a pair is the mean of those that its shared views agree on, to `agree_px` when one camera's
 /// pose of the target is transferred to the other; views that `cameras` dropped are not used.

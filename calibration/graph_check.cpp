@@ -95,7 +95,7 @@ void check_graph(const BoardSet& set, std::span<const SingleCamera> cameras, con
       refuse(
           fmt::format("camera {} sees the target together with {} other camera{} in {} or more views and needs {}; "
                       "take views of it that two others see as well",
-                      set.cameras[c].name, degree, degree == 1 ? "" : "s", kLeastSharedViews, least));
+                      set.cameras[c].name, degree, degree == 1 ? "" : "s", graph.least_views, least));
 }
 
 }  // namespace rptv

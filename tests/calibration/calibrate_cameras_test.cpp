@@ -47,8 +47,9 @@ TEST(CalibrateCameras, calibrates_with_points_of_a_cube) {
   for (double x : {-40.0, 0.0, 40.0})
     for (double y : {-40.0, 0.0, 40.0})
       for (double z : {-40.0, 5.0, 40.0}) cube.push_back({x + 0.1 * z, y, z});
-  const BoardRig rig(cube, 4);
+  const BoardRig rig(cube, 4), one_view(cube, 1, 0.002);
   expect_poses(rig, calibrate_cameras(rig.set, {}).result.bundle, 0.05, 0.5);
+  expect_poses(one_view, calibrate_cameras(one_view.set, {}).result.bundle, 0.1, 1);
 }
 
 TEST(CalibrateCameras, puts_the_frame_on_the_board_of_a_view) {
