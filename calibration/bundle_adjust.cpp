@@ -16,8 +16,9 @@ namespace rptv {
 namespace {
 
 constexpr double kWideLoss_px = 1;
-constexpr double kOutlier = 5;             // standard errors
-constexpr double kMedianToSigma = 1.1774;  // of the distance of two normal coordinates
+constexpr double kPixel_px = 0.1, kRodError = 1e-4;  // what a rod's length weighs
+constexpr double kOutlier = 5;                       // standard errors
+constexpr double kMedianToSigma = 1.1774;            // of the distance of two normal coordinates
 
 /// Parameter blocks, at addresses that stay, and what Ceres has to renew whenever it has moved them.
 struct Parameters : ceres::EvaluationCallback {
@@ -67,6 +68,28 @@ class SeenPointCost : public ceres::SizedCostFunction<2, 9, 6, 6, 3> {
   const BrownDistortion* distortion_;
 };
 
+class RodCost : public ceres::SizedCostFunction<1, 6, 6> {
+ public:
+  explicit RodCost(double length_mm) : length_mm_(length_mm), weight_(kPixel_px / (kRodError * length_mm)) {}
+
+  bool Evaluate(const double* const* ends, double* residual, double** jacobians) const override {
+    const Eigen::Map<const Eigen::Vector3d> first(ends[0] + 3), second(ends[1] + 3);
+    const Eigen::Vector3d along = second - first;
+    const double length = along.norm();
+    if (!(length > 0)) return false;
+    residual[0] = weight_ * (length - length_mm_);
+    for (int end = 0; jacobians != nullptr && end < 2; ++end) {
+      if (jacobians[end] == nullptr) continue;
+      Eigen::Map<Eigen::Matrix<double, 1, 6>> row(jacobians[end]);
+      row << 0, 0, 0, (end == 0 ? -weight_ : weight_) / length * along.transpose();
+    }
+    return true;
+  }
+
+ private:
+  double length_mm_, weight_;
+};
+
 /// Residuals of every seen point of the views in use. Points that are not projected are left out; Ceres refuses them.
 std::vector<PointResidual> residuals_of(const BoardSet& set, const Bundle& bundle, Parameters& p) {
   p.PrepareForEvaluation(false, true);
@@ -103,6 +126,12 @@ class BundleProblem {
       else if (!options.fit_k3)
         problem_.SetManifold(lens.data(), new ceres::SubsetManifold(9, {8}));
     }
+    for (const auto& rod : options.rods)
+      problem_.AddResidualBlock(new RodCost(rod.length_mm), nullptr, p.targets[rod.first].data(),
+                                p.targets[rod.second].data());
+    for (auto& target : p.targets)
+      if (options.single_points && problem_.HasParameterBlock(target.data()))
+        problem_.SetManifold(target.data(), new ceres::SubsetManifold(6, {0, 1, 2}));
     if (problem_.HasParameterBlock(p.cameras[0].data())) problem_.SetParameterBlockConstant(p.cameras[0].data());
     if (!options.fit_stack && !seen.empty()) problem_.SetParameterBlockConstant(p.stack.data());
   }
@@ -172,11 +201,11 @@ BundleResult adjust_bundle(const BoardSet& set, const Bundle& start, const Bundl
   for (const auto& pose : start.cameras) p.cameras.push_back(parameters_of(pose));
   for (const auto& target : start.targets) {
     p.targets.push_back(parameters_of(target.value_or(CameraPose{})));
-    unknowns += target ? 6 : 0;
+    unknowns += !target ? 0 : options.single_points ? 3 : 6;
   }
   p.distortions.resize(p.lenses.size());
   BundleResult result{start, residuals_of(set, start, p), 0, 0, 0, {}, {}, 0};
-  const double values = 2 * static_cast<double>(result.residuals.size());
+  const double values = static_cast<double>(2 * result.residuals.size() + options.rods.size());
   if (!(values > static_cast<double>(unknowns)))
     throw Error(ExitCode::bad_data,
                 fmt::format("{} coordinates cannot tell {} unknowns; take more views", values, unknowns));

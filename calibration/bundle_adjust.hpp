@@ -17,11 +17,19 @@ struct Bundle {
   RefractiveStack stack;                           ///< empty: air only
 };
 
+/// Two targets whose origins are at a known distance.
+struct Rod {
+  std::size_t first = 0, second = 0;  ///< views
+  double length_mm = 0;
+};
+
 struct BundleOptions {
   bool fit_k3 = false;
   bool fit_lenses = true;
-  bool fit_stack = false;    ///< direction and position of the interfaces (not their distances from each other)
-  double length_factor = 3;  ///< residuals beyond this many standard errors count linearly (Huber 1964)
+  bool fit_stack = false;      ///< direction and position of the interfaces (not their distances from each other)
+  bool single_points = false;  ///< targets are single points: how they are turned is held
+  std::vector<Rod> rods;       ///< known to a ten-thousandth, beside pixels of 0.1 px
+  double length_factor = 3;    ///< residuals beyond this many standard errors count linearly (Huber 1964)
 };
 
 /// Where a point was seen, less where it should be.

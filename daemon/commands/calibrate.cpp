@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `rapidptv calibrate`: cameras, lenslets or volume.
+// `rapidptv calibrate`: cameras, lenslets, volume or wand.
 #include "daemon/commands/calibrate.hpp"
 
 #include <CLI/CLI.hpp>
@@ -13,10 +13,12 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       "Examples:\n"
       "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
       "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
-      "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml");
+      "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml\n"
+      "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml");
   add_calibrate_cameras(*command, chosen);
   add_calibrate_lenslets(*command, chosen);
   add_calibrate_volume(*command, chosen);
+  add_calibrate_wand(*command, chosen);
 }
 
 }  // namespace rptv

@@ -9,5 +9,6 @@ namespace rptv {
 void add_calibrate_cameras(CLI::App& calibrate, Action& chosen);
 void add_calibrate_lenslets(CLI::App& calibrate, Action& chosen);
 void add_calibrate_volume(CLI::App& calibrate, Action& chosen);
+void add_calibrate_wand(CLI::App& calibrate, Action& chosen);
 
 }  // namespace rptv

@@ -31,12 +31,17 @@ class CalibrateCamerasCommand : public ::testing::Test {
     place_.write("charuco.toml",
                  "schema = 1\nkind = \"charuco\"\ncolumns = 7\nrows = 10\nsquare_mm = 20\nmarker_mm = 15\n");
     std::filesystem::create_directory(place_.file("seen"));
-    for (const auto& image : rig_.set.images) {
+    write_points("seen/", rig_.set, 100);
+  }
+
+  /// A text file for each image; points are numbered from `first_id`.
+  void write_points(const std::string& folder, const BoardSet& set, std::size_t first_id) const {
+    for (const auto& image : set.images) {
       std::string text;
       for (const auto& s : image.seen)
-        text +=
-            std::to_string(100 + s.point) + " " + std::to_string(s.pixel[0]) + " " + std::to_string(s.pixel[1]) + "\n";
-      place_.write("seen/" + image.origin + ".txt", text);
+        text += std::to_string(first_id + s.point) + " " + std::to_string(s.pixel[0]) + " " +
+                std::to_string(s.pixel[1]) + "\n";
+      place_.write(folder + image.origin + ".txt", text);
     }
   }
 
@@ -98,6 +103,29 @@ TEST_F(CalibrateCamerasCommand, takes_names_apart_as_the_pattern_says) {
   const CameraPose truth = after(rig_.truth.cameras[3], *rig_.truth.targets[1]);
   const Point3 centre = inverse(read_rig(path("rig.toml")).cameras[3].model.pose()).translation_mm;
   EXPECT_LT(norm(centre - inverse(truth).translation_mm), 2);
+}
+
+TEST_F(CalibrateCamerasCommand, improves_a_rig_by_a_wand) {
+  const BoardRig rod({{-50, 0, 0}, {50, 0, 0}}, 30, 0.05);
+  Rig start;
+  for (std::size_t c = 0; c < 4; ++c) {
+    CameraPose pose = rod.truth.cameras[c];
+    if (c == 2) pose.translation_mm[0] += 0.5;
+    start.cameras.push_back({rod.set.cameras[c].name, CameraModel(rod.truth.lenses[c], pose)});
+  }
+  write_rig(start, place_.file("start.toml"));
+  std::filesystem::create_directory(place_.file("ends"));
+  write_points("ends/", rod.set, 1);
+  const auto wand = [&](const std::string& length) {
+    return run_rapidptv(
+        {"calibrate", "wand", path("ends"), "--start", path("start.toml"), "--length", length, "-o", path("rig.toml")});
+  };
+  expect_refusal(wand("150"), ExitCode::bad_data, "the rod is 100.");
+  const Said said = wand("100");
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("rods              30 views"));
+  const CameraPose found = read_rig(path("rig.toml")).cameras[2].model.pose(), &truth = rod.truth.cameras[2];
+  EXPECT_LT(norm(inverse(found).translation_mm - inverse(truth).translation_mm), 0.3);
 }
 
 TEST_F(CalibrateCamerasCommand, says_why_not) {
