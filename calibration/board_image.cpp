@@ -12,8 +12,9 @@
 namespace rptv {
 
 namespace {
-constexpr double kMostSaturated = 0.2;   // of the pixels brighter than half the top
-constexpr double kLeastContrast = 0.05;  // of the top, between the darkest and brightest thousandth
+constexpr double kMostSaturated = 0.2;  // of the pixels brighter than half the top
+constexpr float kLeastContrast = 0.15F,
+                kLeastGreys = 10;  // between the darkest and brightest thousandth; of the latter
 }  // namespace
 
 void check_board_image(const ImageView& image, std::uint32_t significant_bits, const std::string& origin) {
@@ -34,7 +35,7 @@ void check_board_image(const ImageView& image, std::uint32_t significant_bits, c
     return *place;
   };
   const float low = at(0.001), high = at(0.999);
-  if (high - low < kLeastContrast * top)
+  if (high - low < std::max(kLeastGreys, kLeastContrast * high))
     refuse(
         fmt::format("is empty: its grey values lie between {:.0f} and {:.0f} of {:.0f}; light the target, and leave "
                     "out images without it",

@@ -78,7 +78,7 @@ CameraCalibration calibrate_cameras(const BoardSet& set, const CameraCalibration
   c.used = set;
   const bool glass = !options.stack.interfaces.empty();
   SingleCameraOptions by_itself = options.single;
-  by_itself.drop_outliers &= !glass;  // a lens alone does not fit what is seen through it
+  by_itself.behind_glass = glass;
   for (std::size_t k = 0; k < set.cameras.size(); ++k) {
     c.singles.push_back(fit_single_camera(set, k, by_itself));
     c.dropped.insert(c.dropped.end(), c.singles.back().dropped.begin(), c.singles.back().dropped.end());

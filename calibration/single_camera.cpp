@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kLeastPoints = 8;  // of a view
 constexpr std::size_t kLeastViews = 3;   // of a flat target
 constexpr double kLeastTilt_deg = 10;    // between some two views: less does not tell the focal length
-constexpr double kWorstRms_px = 3;
+constexpr double kWorstRms_px = 3, kWorstBehindGlass_px = 30;
 constexpr double kWorseThanMedian = 4, kNeverDropped_px = 0.3;
 
 CameraPose pose_of(const cv::Mat& turn, const cv::Mat& shift) {
@@ -189,7 +189,7 @@ SingleCamera fit_single_camera(const BoardSet& set, std::size_t camera, const Si
   check_count();
   try {
     fit.solve(images, flat, options.fit_k3);
-    for (int round = 0; options.drop_outliers && round < 3; ++round) {
+    for (int round = 0; options.drop_outliers && !options.behind_glass && round < 3; ++round) {
       std::vector<double> sorted(fit.view_rms.begin<double>(), fit.view_rms.end<double>());
       std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
       const double most = std::max(kWorseThanMedian * sorted[sorted.size() / 2], kNeverDropped_px);
@@ -214,7 +214,7 @@ SingleCamera fit_single_camera(const BoardSet& set, std::size_t camera, const Si
         fmt::format("shows the target in one orientation only: its {} views differ by {:.1f} degrees at most, which "
                     "does not tell the focal length; tilt it by 20 to 45 degrees to all sides",
                     fit.views.size(), tilt));
-  if (!(fit.rms_px < kWorstRms_px))
+  if (!(fit.rms_px < (options.behind_glass ? kWorstBehindGlass_px : kWorstRms_px)))
     refuse(
         fmt::format("its views fit a lens only to {:.1f} px; check the board's file (size, columns, rows, marker "
                     "set) and whether all images are of one lens setting",

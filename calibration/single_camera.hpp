@@ -27,6 +27,7 @@ struct SingleCamera {
 
 struct SingleCameraOptions {
   bool fit_k3 = false;        ///< sixth order of the radial distortion
+  bool behind_glass = false;  ///< what is seen through interfaces fits no lens alone: a start, to some pixels
   bool drop_outliers = true;  ///< leave out views that fit several times worse than the others
 };
 

@@ -30,7 +30,7 @@ struct BoardRig {
   Bundle truth;
   BoardSet set;
 
-  explicit BoardRig(std::vector<Point3> target_mm, std::size_t views = 12, double noise_px = 0.005,
+  explicit BoardRig(std::vector<Point3> target_mm, std::size_t views = 10, double noise_px = 0.005,
                     double tilt_rad = 0.6, const RefractiveStack& stack = {}) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> any(-1, 1);

@@ -53,7 +53,7 @@ TEST(CalibrateCameras, calibrates_with_points_of_a_cube) {
 }
 
 TEST(CalibrateCameras, puts_the_frame_on_the_board_of_a_view) {
-  const BoardRig rig(small_board().points());
+  const BoardRig rig(small_board().points(), 6, 0.002);
   CameraCalibrationOptions options;
   options.world_view = 3;
   const auto found = calibrate_cameras(rig.set, options);
@@ -75,7 +75,7 @@ TEST(CalibrateCameras, drops_and_reports_a_view_that_does_not_fit) {
 
 TEST(CalibrateCameras, weighs_single_wrong_points_down) {
   BoardRig rig(small_board().points());
-  for (std::size_t v = 0; v < 12; v += 3) rig.image(2, v).seen[5].pixel[1] += 1;
+  for (std::size_t v = 0; v < 10; v += 3) rig.image(2, v).seen[5].pixel[1] += 1;
   const auto found = calibrate_cameras(rig.set, {});
   EXPECT_EQ(found.result.outliers, 4U);
   expect_poses(rig, found.result.bundle, 0.05, 0.2);
@@ -91,13 +91,12 @@ TEST(CalibrateCameras, finds_the_glass_of_a_tank) {
   moved = in_frame(moved, inverse(first));
   CameraCalibrationOptions options;
   options.stack = moved.stack;
-  const auto known = calibrate_cameras(rig.set, options);
-  expect_poses(rig, known.result.bundle, 0.1, 1);
   for (auto& interface : options.stack.interfaces) interface.position_mm += 4;  // as a ruler has it
   options.fit_stack = true;
   const auto fitted = calibrate_cameras(rig.set, options);
   EXPECT_NEAR(fitted.result.bundle.stack.interfaces[0].position_mm, moved.stack.interfaces[0].position_mm, 2);
   EXPECT_LT(fitted.result.sigma_px, 0.0102);
+  expect_poses(rig, fitted.result.bundle, 0.1, 2);
 }
 
 std::string why_not(const BoardSet& set) {
@@ -112,25 +111,25 @@ TEST(CalibrateCameras, names_the_cameras_whose_images_are_swapped_in_a_view) {
 
 TEST(CalibrateCameras, names_the_camera_whose_images_another_one_has) {
   BoardRig rig(small_board().points());
-  for (std::size_t v = 0; v < 12; ++v) rig.image(3, v).seen = rig.image(0, v).seen;
+  for (std::size_t v = 0; v < 10; ++v) rig.image(3, v).seen = rig.image(0, v).seen;
   EXPECT_THAT(why_not(rig.set), HasSubstr("cameras cam0 and cam3 stand at the same place"));
 }
 
 TEST(CalibrateCameras, names_a_camera_that_saw_the_target_at_another_time) {
   BoardRig rig(small_board().points());
-  for (std::size_t v = 0; v + 1 < 12; ++v) rig.image(3, v).seen = rig.image(3, v + 1).seen;  // one view late
+  for (std::size_t v = 0; v + 1 < 10; ++v) rig.image(3, v).seen = rig.image(3, v + 1).seen;  // one view late
   EXPECT_THAT(why_not(rig.set), AllOf(HasSubstr("cam3"), HasSubstr("contradict each other in view")));
 }
 
 TEST(CalibrateCameras, names_a_camera_that_shares_too_few_views) {
-  BoardRig rig(small_board().points());
+  BoardRig rig(small_board().points(), 12);
   for (std::size_t v = 0; v < 12; ++v) rig.image(v < 6 ? 0 : 3, v).seen.clear();
   for (std::size_t v = 0; v < 10; ++v) rig.image(v < 8 ? 1 : 2, v).seen.clear();
   EXPECT_THAT(why_not(rig.set), HasSubstr("camera cam1 sees the target together with 1 other camera in 3"));
 }
 
 TEST(CalibrateCameras, refuses_views_in_one_orientation) {
-  const BoardRig rig(small_board().points(), 12, 0.005, 0.01);
+  const BoardRig rig(small_board().points(), 10, 0.005, 0.01);
   EXPECT_THAT(why_not(rig.set), AllOf(HasSubstr("camera cam0"), HasSubstr("one orientation only"), HasSubstr("tilt")));
 }
 
