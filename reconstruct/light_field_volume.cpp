@@ -161,6 +161,7 @@ ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightF
     options.subimage_px = calibration.lenslets.focal_length_mm / f_number / calibration.pixel_mm();
   }
   options.satellite_mm = std::max(calibration.pitch_mm() / 4, options.model.particle_radius_mm);
+  options.lit_grey = settings.threshold;
   options.least_share = settings.ghost_share;
   options.max_particles = explain.max_particles;
   options.threads = explain.threads;
