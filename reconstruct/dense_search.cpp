@@ -14,11 +14,13 @@ constexpr float kFirstScore = 0.85F, kLastScore = 0.25F, kScoreStep = 0.05F;
 constexpr int kMostLastRounds = 4;
 constexpr double kExcessSigmas = 0.25;
 constexpr int kSteps = 4, kFinalSteps = 15;
-constexpr double kLeastLight = 0.3;  // of the typical light, until the end
+constexpr double kWeak = 0.5;  // of the typical light: looked for last
+constexpr float kFirstWeakScore = 0.5F;
+constexpr double kLeastLight = 0.2;  // of the typical light, until the end
 constexpr double kMostLight = 1e30;  // of a particle, in the end
 constexpr double kFaintSigmas = 2;   // of a dark pixel
 constexpr std::size_t kHitsAParticle = 64;
-// A pixel is some particle's alone if no other lights it: the less bright ones, at half of the places.
+// A particle is as bright as the darker ones of its pixels say, which it need not share; the typical one is the median.
 constexpr float kBright = 0.3F;  // of a particle's brightest pixel: enough to tell its light
 constexpr double kAlone = 0.3, kTypical = 0.5;
 
@@ -96,10 +98,10 @@ double DenseSearch::typical_light(std::span<const FittedParticle> near) noexcept
   return lights_.empty() ? 0 : static_cast<double>(quantile(lights_, kTypical));
 }
 
-std::size_t DenseSearch::add_hits(float least_score) noexcept {
+std::size_t DenseSearch::add_hits(double light, float least_score) noexcept {
   const auto explained = fit_.explained();
   for (std::size_t i = 0; i < residual_.size(); ++i) residual_[i] = grey_[i] - explained[i];
-  footprints_.set_light(light_, dark_variance(options_), 1 / options_.electrons_per_grey);
+  footprints_.set_light(light, dark_variance(options_), 1 / options_.electrons_per_grey);
   const auto faint = static_cast<float>(kFaintSigmas * std::sqrt(dark_variance(options_)));
   const std::size_t known = particles_.size();
   for (const auto& hit : search_.find(residual_, least_score, faint)) {
@@ -108,7 +110,7 @@ std::size_t DenseSearch::add_hits(float least_score) noexcept {
       ++refused_;
       continue;
     }
-    particles_.push_back({footprints_.at(hit.footprint, hit.lenslet), light_});
+    particles_.push_back({footprints_.at(hit.footprint, hit.lenslet), light});
     search_.subtract(residual_, hit);
   }
   refused_hits_ += search_.refused();
@@ -130,21 +132,27 @@ void DenseSearch::follow_light() noexcept {
   light_ = static_cast<double>(quantile(lights_, kTypical));
 }
 
-std::span<const JointParticle> DenseSearch::find(std::span<const FittedParticle> near) noexcept {
-  light_ = typical_light(near);
-  if (!(light_ > 0)) return {};
-  float least_score = kFirstScore;
+// For particles of `share` of the typical light.
+void DenseSearch::search(double share, float first_score, bool capped) noexcept {
+  float least_score = first_score;
   for (int last_rounds = 0; last_rounds < kMostLastRounds;) {
-    const std::size_t added = add_hits(least_score);
+    const std::size_t added = add_hits(share * light_, least_score);
     if (added > 0) {
-      fit_.fit(particles_, {kSteps, light_, kExcessSigmas});
+      fit_.fit(particles_, {kSteps, capped ? light_ : kMostLight, kExcessSigmas});
       drop_weak(kLeastLight * light_);
-      follow_light();
+      if (capped) follow_light();
     }
     if (least_score <= kLastScore) last_rounds = added > 0 ? last_rounds + 1 : kMostLastRounds;
     least_score = std::max(least_score - kScoreStep, kLastScore);
   }
-  fit_.fit(particles_, {kFinalSteps, light_, 0});
+}
+
+std::span<const JointParticle> DenseSearch::find(std::span<const FittedParticle> near) noexcept {
+  light_ = typical_light(near);
+  if (!(light_ > 0)) return {};
+  search(1, kFirstScore, true);
+  fit_.fit(particles_, {kFinalSteps, kMostLight, kExcessSigmas});
+  search(kWeak, kFirstWeakScore, false);
   fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
   drop_weak(options_.least_share * light_);
   fit_.fit(particles_, {kFinalSteps, kMostLight, 0});

@@ -35,7 +35,8 @@ class DenseSearch {
 
  private:
   double typical_light(std::span<const FittedParticle> near) noexcept;
-  std::size_t add_hits(float least_score) noexcept;
+  std::size_t add_hits(double light, float least_score) noexcept;
+  void search(double share, float first_score, bool capped) noexcept;
   void drop_weak(double least_light) noexcept;
   void follow_light() noexcept;
 

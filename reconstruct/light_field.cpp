@@ -2,14 +2,11 @@
 // The light-field chain, one step a line.
 #include "reconstruct/light_field.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "calibration/object_map.hpp"
-#include "core/error.hpp"
 #include "reconstruct/classify_dbscan.hpp"
 #include "reconstruct/classify_local_maxima.hpp"
 #include "reconstruct/coarse_maxima.hpp"
@@ -213,14 +210,7 @@ void LightField::Stages::write(Particles& out) const noexcept {
 
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                        const ImageView& background) {
-  if (settings.counting == "coarse_to_fine" && settings.classification == "dbscan")
-    throw Error(ExitCode::configuration,
-                "light_field.classification = \"dbscan\" needs clouds of voxels, which light_field.counting = "
-                "\"coarse_to_fine\" does not make; choose counting = \"coarse\" or \"exhaustive\"");
-  if (settings.refine_search == "grey_values" && !settings.refine)
-    throw Error(ExitCode::configuration,
-                "light_field.refine_search = \"grey_values\" is a way to refine; set light_field.refine = true, or "
-                "leave refine_search out");
+  check_choices(settings);
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
   stages_ = std::make_unique<Stages>(settings, calibration, background);
 }
