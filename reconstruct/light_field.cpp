@@ -85,7 +85,7 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
                            const ImageView& background)
     : settings(s),
       shape(shape_of(calibration)),
-      dark(make_dark(s, shape, background)),
+      dark(make_dark({s.background, s.threshold, s.background_image}, shape, background)),
       lattice(calibration),
       pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
       window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),

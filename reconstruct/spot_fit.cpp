@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+// The arithmetic of sub-pixel centres, compiled once per instruction set.
+#include "reconstruct/spot_fit.hpp"
+
+#include "reconstruct/lanes.hpp"
+#include "reconstruct/lit_mask.hpp"
+
+namespace rptv {
+
+namespace {
+
+static_assert(SpotBatch::kSpots == kLanes);
+constexpr int kSteps = 2;  // of Gauss and Newton: a third changes nothing that noise does not hide
+
+RPTV_LANES Lanes load(const std::array<float, kLanes>& from) noexcept {
+  return *reinterpret_cast<const Lanes*>(from.data());
+}
+RPTV_LANES void store(Lanes value, std::array<float, kLanes>& to) noexcept {
+  *reinterpret_cast<Lanes*>(to.data()) = value;
+}
+
+struct Centre {
+  Lanes x, y, variance;
+  LaneBits bad;  // no peak within the square
+};
+
+// ln I = a + b·x + c·y + q·(x² + y²): a Gaussian centred at -b/2q, -c/2q with σ² = -1/2q.
+struct LogGaussian {
+  Lanes a, b, c, q;
+};
+
+// Weighted normal equations of the four and their LDLᵀ factors.
+struct NormalEquations {
+  Lanes n{}, x{}, y{}, xx{}, xy{}, yy{}, xr{}, yr{}, rr{};
+  Lanes t1{}, tx{}, ty{}, tr{};
+  Lanes d1, d2, d3, l10, l20, l30, l21, l31, l32;
+
+  RPTV_LANES void add(float dx, float dy, Lanes weight, Lanes weighted_log) noexcept {
+    const float r = dx * dx + dy * dy;
+    const Lanes wx = weight * dx, wy = weight * dy;
+    n += weight, x += wx, y += wy, xx += wx * dx, xy += wx * dy, yy += wy * dy;
+    xr += wx * r, yr += wy * r, rr += weight * (r * r);
+    t1 += weighted_log, tx += weighted_log * dx, ty += weighted_log * dy, tr += weighted_log * r;
+  }
+  RPTV_LANES LogGaussian solve() noexcept {
+    const Lanes r = xx + yy;
+    l10 = x / n, l20 = y / n, l30 = r / n;
+    d1 = xx - l10 * x;
+    const Lanes e21 = xy - l20 * x, e31 = xr - l30 * x;
+    l21 = e21 / d1, l31 = e31 / d1;
+    d2 = yy - l20 * y - l21 * e21;
+    const Lanes e32 = yr - l30 * y - l31 * e21;
+    l32 = e32 / d2;
+    d3 = rr - l30 * r - l31 * e31 - l32 * e32;
+    const Lanes z1 = tx - l10 * t1, z2 = ty - l20 * t1 - l21 * z1, z3 = tr - l30 * t1 - l31 * z1 - l32 * z2;
+    LogGaussian fit;
+    fit.q = z3 / d3;
+    fit.c = z2 / d2 - l32 * fit.q;
+    fit.b = z1 / d1 - l21 * fit.c - l31 * fit.q;
+    fit.a = t1 / n - l10 * fit.b - l20 * fit.c - l30 * fit.q;
+    return fit;
+  }
+  // With g the derivatives of -b/2q and -c/2q, gᵀN⁻¹g = |D^(-1/2) L⁻¹ g|².
+  RPTV_LANES Lanes variance(const LogGaussian& fit, Lanes at_x, Lanes at_y) const noexcept {
+    const Lanes u3 = at_x * 2.0F - l31 + l32 * l21, v3 = at_y * 2.0F - l32;
+    const Lanes of_x = 1.0F / d1 + l21 * l21 / d2 + u3 * u3 / d3, of_y = 1.0F / d2 + v3 * v3 / d3;
+    return (of_x + of_y) / (fit.q * fit.q * 8.0F);
+  }
+};
+
+struct Square {
+  const SpotBatch& batch;
+  const SpotOptions& options;
+
+  RPTV_LANES Lanes noise(Lanes grey) const noexcept {
+    return most(grey, Lanes{}) * options.grey_per_electron + options.noise_variance;
+  }
+  // visit(k, dx, dy) for every pixel
+  template <class Visit>
+  RPTV_LANES void each(const Visit& visit) const noexcept {
+    const int radius = static_cast<int>(options.radius);
+    std::size_t k = 0;
+    for (int dy = -radius; dy <= radius; ++dy)
+      for (int dx = -radius; dx <= radius; ++dx) visit(k++, static_cast<float>(dx), static_cast<float>(dy));
+  }
+};
+
+// A start that is no peak is made a wide one, for the steps to try.
+RPTV_LANES void bound(LogGaussian& fit) noexcept {
+  fit.q = least(most(fit.q, all_lanes(-3)), all_lanes(-0.02F));  // σ from 0.4 to 5 px
+}
+
+RPTV_LANES Centre gaussian(const Square& square) noexcept {
+  NormalEquations start;
+  square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
+    const Lanes grey = load(square.batch.grey[k]), usable = load(square.batch.usable[k]);
+    const Lanes bright = most(grey, all_lanes(1e-3F));
+    const Lanes weight = grey > 0.0F ? usable * bright * bright / square.noise(grey) : Lanes{};
+    start.add(dx, dy, weight, weight * log_of(bright));
+  });
+  LogGaussian fit = start.solve();
+  NormalEquations equations;
+  for (int step = 0; step < kSteps; ++step) {
+    bound(fit);
+    equations = NormalEquations();
+    square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
+      const Lanes logarithm = fit.a + fit.b * dx + fit.c * dy + fit.q * (dx * dx + dy * dy);
+      const Lanes model = exp_of(logarithm), per_noise = load(square.batch.usable[k]) / square.noise(model) * model;
+      equations.add(dx, dy, per_noise * model, per_noise * (model * logarithm + load(square.batch.grey[k]) - model));
+    });
+    fit = equations.solve();
+  }
+  const Lanes x = fit.b / fit.q * -0.5F, y = fit.c / fit.q * -0.5F;
+  const auto reach = static_cast<float>(square.options.radius);
+  const Lanes variance = equations.variance(fit, x, y);
+  const LaneBits good = (x * x < reach * reach) & (y * y < reach * reach) & (fit.q < -0.02F) & (variance > 0.0F);
+  return {x, y, variance, ~good};
+}
+
+struct Parabola {
+  Lanes at, variance;
+  LaneBits good;
+};
+
+RPTV_LANES Parabola parabola(const Square& square, std::size_t before, std::size_t middle, std::size_t after) noexcept {
+  const auto floor = [](Lanes grey) __attribute__((always_inline)) { return most(grey, all_lanes(1e-3F)); };
+  const Lanes i0 = floor(load(square.batch.grey[before])), i1 = floor(load(square.batch.grey[middle])),
+              i2 = floor(load(square.batch.grey[after]));
+  const Lanes usable =
+      load(square.batch.usable[before]) * load(square.batch.usable[middle]) * load(square.batch.usable[after]);
+  const Lanes l0 = log_of(i0), l1 = log_of(i1), l2 = log_of(i2), bend = l0 - l1 * 2.0F + l2;
+  const Lanes at = (l0 - l2) / (bend * 2.0F);
+  const Lanes g0 = 1.0F - at * 2.0F, g1 = at * 4.0F, g2 = 1.0F + at * 2.0F;
+  const Lanes variance = (g0 * g0 * square.noise(i0) / (i0 * i0) + g1 * g1 * square.noise(i1) / (i1 * i1) +
+                          g2 * g2 * square.noise(i2) / (i2 * i2)) /
+                         (bend * bend * 4.0F);
+  const LaneBits good =
+      (usable > 0.0F) & (bend < 0.0F) & (i0 > 2e-3F) & (i2 > 2e-3F) & (at * at < 1.0F) & (variance < 4.0F);
+  return {at, variance, good};
+}
+
+RPTV_LANES Centre three_point(const Square& square) noexcept {
+  const std::size_t side = 2 * square.options.radius + 1, middle = side * side / 2;
+  const Parabola along_x = parabola(square, middle - 1, middle, middle + 1);
+  const Parabola along_y = parabola(square, middle - side, middle, middle + side);
+  return {along_x.at, along_y.at, (along_x.variance + along_y.variance) * 0.5F, ~(along_x.good & along_y.good)};
+}
+
+struct Light {
+  Centre centre;
+  Lanes sum;
+};
+
+// Light of the columns (or rows) at both edges of the square and of those beside them, inwards.
+struct Edges {
+  Lanes outer{}, inner{};
+
+  RPTV_LANES void add(float offset, float radius, Lanes grey) noexcept {
+    if (offset * offset == radius * radius) outer += grey;
+    if (offset * offset == (radius - 1) * (radius - 1)) inner += radius == 1 ? grey + grey : grey;  // of both sides
+  }
+  // What of a shift of the spot its centre of light follows: light leaves the square over one edge and comes in over
+  // the other, half a pixel beyond the outer columns, where light falls off as from the inner to the outer ones.
+  RPTV_LANES Lanes follows(float radius, Lanes sum) const noexcept {
+    const Lanes floor = sum * 1e-4F, far = most(outer, floor), near = most(inner, far);
+    const float beyond = (radius + 0.25F) / (2 * radius - 1);  // by how much more the square of the distance grows
+    const Lanes at_edge = exp_of(log_of(far) * (1 + beyond) - log_of(near) * beyond);
+    return most(1.0F - at_edge * ((radius + 0.5F) / sum), all_lanes(0.1F));
+  }
+};
+
+RPTV_LANES Light centroid(const Square& square) noexcept {
+  const auto radius = static_cast<float>(square.options.radius);
+  Lanes sum{}, sum_x{}, sum_y{}, spread_x{}, spread_y{};
+  Edges columns, rows;
+  square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
+    const Lanes grey = load(square.batch.grey[k]);
+    sum += grey, sum_x += grey * dx, sum_y += grey * dy;
+    columns.add(dx, radius, grey), rows.add(dy, radius, grey);
+  });
+  const Lanes safe = most(sum, all_lanes(1e-3F)), x = sum_x / safe, y = sum_y / safe;
+  square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
+    const Lanes noise = square.noise(load(square.batch.grey[k]));
+    spread_x += (x - dx) * (x - dx) * noise, spread_y += (y - dy) * (y - dy) * noise;
+  });
+  const Lanes per_x = 1.0F / columns.follows(radius, safe), per_y = 1.0F / rows.follows(radius, safe);
+  const auto clamped = [&](Lanes at) __attribute__((always_inline)) {
+    return least(most(at, all_lanes(-radius)), all_lanes(radius));
+  };
+  const Lanes variance = (spread_x * per_x * per_x + spread_y * per_y * per_y) / (safe * safe) * 0.5F;
+  return {{clamped(x * per_x), clamped(y * per_y), variance, LaneBits{}}, sum};
+}
+
+RPTV_LANES void replace_bad(Centre& centre, const Centre& by) noexcept {
+  centre.x = centre.bad ? by.x : centre.x;
+  centre.y = centre.bad ? by.y : centre.y;
+  centre.variance = centre.bad ? by.variance : centre.variance;
+  centre.bad &= by.bad;
+}
+
+RPTV_LANES void find(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
+  const Square square{batch, options};
+  const Light light = centroid(square);
+  Centre centre = options.method == SpotMethod::three_point ? three_point(square)
+                  : options.method == SpotMethod::gaussian  ? gaussian(square)
+                                                            : light.centre;
+  if (options.method == SpotMethod::three_point && any(centre.bad)) replace_bad(centre, gaussian(square));
+  if (any(centre.bad)) replace_bad(centre, light.centre);
+  store(centre.x, centres.x), store(centre.y, centres.y);
+  store(centre.variance, centres.variance), store(light.sum, centres.grey);
+}
+
+void find_portable(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
+  find(batch, options, centres);
+}
+#if defined(__x86_64__)
+RPTV_LIT_AVX2 void find_avx2(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
+  find(batch, options, centres);
+}
+RPTV_LIT_AVX512 void find_avx512(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
+  find(batch, options, centres);
+}
+#endif
+
+}  // namespace
+
+void find_spot_centres(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres,
+                       InstructionSet set) noexcept {
+#if defined(__x86_64__)
+  if (set == InstructionSet::avx512) return find_avx512(batch, options, centres);
+  if (set == InstructionSet::avx2) return find_avx2(batch, options, centres);
+#endif
+  static_cast<void>(set);
+  find_portable(batch, options, centres);
+}
+
+}  // namespace rptv
