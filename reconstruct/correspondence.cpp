@@ -14,23 +14,32 @@ namespace rptv {
 
 namespace {
 
-constexpr double kSlack = 1.15;       // scales vary over the volume by less
-constexpr double kMostAlong_px = 64;  // where two views hardly fix a depth
+constexpr double kSlack = 1.15;        // scales vary over the volume by less
+constexpr double kNoWander_px = 0.01;  // less is not worth a look at the rays
+constexpr double kMostAlong_px = 64;   // where two views hardly fix a depth
 
 Point3 half_of(const Volume& volume) { return volume.to - volume.centre(); }
 
+/// Depth on `sight` where it is nearest to the line from + r·along.
+double nearest_depth(const Sight& sight, const Point3& from, const Point3& along) noexcept {
+  const Point3 apart = sight.from_mm - from;
+  const double mixed = dot(sight.along, along), square = dot(along, along);
+  return (mixed * dot(along, apart) - square * dot(sight.along, apart)) /
+         (dot(sight.along, sight.along) * square - mixed * mixed);
+}
+
 }  // namespace
 
-/// Two detections: the ray of the first as all later views see it, and the depth on it that the second gives.
+/// Two detections: the ray of the first, and the depth on it that the second gives.
 struct Correspondence::Seed {
-  const std::array<EpipolarLine, kMaxViews>& lines;
+  Sight sight;
   double t, depth_error_mm;
   double per_scale;  ///< of an error in the first view, mm/px
 };
 
 Correspondence::Correspondence(std::span<const ViewRays> views, const Volume& volume,
                                const CorrespondenceOptions& options, InstructionSet set)
-    : options_(options), half_mm_(half_of(volume)), solver_({}, 1, set) {
+    : options_(options), half_mm_(half_of(volume)), pencil_(options.max_detections), solver_({}, 1, set) {
   if (views.size() < 2 || views.size() > kMaxViews)
     throw Error(ExitCode::configuration,
                 fmt::format("multi-view needs 2 to {} cameras and the rig has {}; correct the rig file", kMaxViews,
@@ -45,7 +54,10 @@ Correspondence::Correspondence(std::span<const ViewRays> views, const Volume& vo
   matches_.reserve(options.max_matches);
   next_match_.resize(options.max_matches);
   doubtful_.reserve(2 * kDltLanes * kMaxViews);
-  for (std::size_t v = 0; v < views.size(); ++v) first_match_[v].resize(options.max_detections);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    first_match_[v].resize(options.max_detections);
+    for (std::size_t w = v + 1; w < views.size(); ++w) lines_[v][w] = PencilOfLines(views[v], views[w]);
+  }
 }
 
 std::span<const ViewMatch> Correspondence::match(std::span<const Detections> seen) noexcept {
@@ -57,12 +69,15 @@ std::span<const ViewMatch> Correspondence::match(std::span<const Detections> see
     counts_.unusable_detections += views_[v].look(seen[v]);
     std::fill_n(first_match_[v].begin(), views_[v].size(), kUnseen);
   }
-  for (std::size_t v = 0; v + options_.min_views <= views_.size(); ++v)
-    for (std::size_t i = 0; i < views_[v].size(); ++i) {
-      if (work_ > kWorkPerMatch * options_.max_matches)
-        ++counts_.unsearched;
-      else if (views_[v].usable(i))
-        follow(v, i);
+  for (std::size_t first = 0; first + options_.min_views <= views_.size(); ++first)
+    for (std::size_t second = first + 1; second + options_.min_views <= views_.size() + 1; ++second) {
+      if (lines_[first][second].usable) pencil_.build(lines_[first][second], views_[second]);
+      for (std::size_t i = 0; i < views_[first].size(); ++i) {
+        if (work_ > kWorkPerMatch * options_.max_matches)
+          ++counts_.unsearched;
+        else if (views_[first].usable(i))
+          follow(first, second, i);
+      }
     }
   solve(true);
   return matches_;
@@ -75,27 +90,41 @@ std::span<const ViewMatch> Correspondence::add(std::span<const ViewTuple> tuples
   return std::span<const ViewMatch>(matches_).subspan(before);
 }
 
-void Correspondence::follow(std::size_t view, std::size_t detection) noexcept {
-  Sight sight;
-  views_[view].sight(detection, sight.from_mm, sight.along);
-  if (!clip(half_mm_, sight)) return;
-  std::array<EpipolarLine, kMaxViews> lines;
-  for (std::size_t v = view + 1; v < views_.size(); ++v) lines[v] = {views_[v].rays().pinhole(), sight};
-  ViewTuple tuple = ViewTuple::none();
-  tuple.put(view, static_cast<std::uint32_t>(detection));
-  const double per_scale = kSlack / views_[view].rays().px_per_mm();
-  for (std::size_t second = view + 1; second + options_.min_views <= views_.size() + 1; ++second) {
-    const ViewRays& rays = views_[second].rays();
-    const double reach_px = options_.tolerance_px * (1 + rays.px_per_mm() * per_scale) + rays.wander_px();
-    visit_along(views_[second], lines[second], sight, reach_px, [&](std::uint32_t found, double t) {
-      ++counts_.pairs;
-      ++work_;
-      const auto speed = lines[second].speed(t, lines[second].at(t));
-      tuple.put(second, found);
-      extend({lines, t, reach_px / std::hypot(speed[0], speed[1]), per_scale}, tuple, second + 1);
-      tuple.put(second, kUnseen);
-    });
-  }
+void Correspondence::follow(std::size_t first, std::size_t second, std::size_t detection) noexcept {
+  Seed seed;
+  views_[first].sight(detection, seed.sight.from_mm, seed.sight.along);
+  if (!clip(half_mm_, seed.sight)) return;
+  const ViewRays& rays = views_[second].rays();
+  seed.per_scale = kSlack / views_[first].rays().px_per_mm();
+  const EpipolarLine line(rays.pinhole(), seed.sight);
+  const double error_px = options_.tolerance_px * (1 + rays.px_per_mm() * seed.per_scale);
+  const auto visit = [&](std::uint32_t found, double t) {
+    ++counts_.pairs;
+    ++work_;
+    if (seen_by_all(first, detection, second, found)) return;
+    seed.t = t;
+    if (rays.wander_px() > kNoWander_px && !meets(seed, second, found, error_px)) return;
+    const auto at = line.place(seed.t);
+    seed.depth_error_mm = error_px / std::sqrt(at.du * at.du + at.dv * at.dv);
+    ViewTuple tuple = ViewTuple::none();
+    tuple.put(first, static_cast<std::uint32_t>(detection));
+    tuple.put(second, found);
+    extend(seed, tuple, second + 1);
+  };
+  if (lines_[first][second].usable)
+    pencil_.visit_near(line, seed.sight, error_px + rays.wander_px(), visit);
+  else
+    visit_along(views_[second], line, seed.sight, error_px + rays.wander_px(), visit);
+}
+
+// Where refraction makes rays wander in the pinhole image, they are asked themselves.
+bool Correspondence::meets(Seed& seed, std::size_t view, std::uint32_t detection, double error_px) const noexcept {
+  Point3 from_mm, along;
+  views_[view].sight(detection, from_mm, along);
+  seed.t = nearest_depth(seed.sight, from_mm, along);
+  const auto miss =
+      miss_px(views_[view].ray(detection), views_[view].rays().axes(), seed.sight.from_mm + seed.t * seed.sight.along);
+  return miss[0] * miss[0] + miss[1] * miss[1] <= error_px * error_px;
 }
 
 void Correspondence::extend(const Seed& seed, ViewTuple& tuple, std::size_t view) noexcept {
@@ -117,18 +146,21 @@ void Correspondence::extend(const Seed& seed, ViewTuple& tuple, std::size_t view
 std::size_t Correspondence::ask(const Seed& seed, std::size_t view,
                                 std::array<std::uint32_t, kMostHits>& hit) noexcept {
   const ViewRays& rays = views_[view].rays();
-  const auto at = seed.lines[view].at(seed.t), speed = seed.lines[view].speed(seed.t, at);
-  const double fast = std::max(std::hypot(speed[0], speed[1]), 1e-9), u = speed[0] / fast, v = speed[1] / fast;
-  const double across_px = options_.tolerance_px * (1 + rays.px_per_mm() * seed.per_scale) + rays.wander_px();
+  const EpipolarLine line(rays.pinhole(), seed.sight);
+  const auto at = line.place(seed.t);
+  const double fast = std::sqrt(at.du * at.du + at.dv * at.dv) + 1e-9, u = at.du / fast, v = at.dv / fast;
+  const double across_px = options_.tolerance_px * (1 + rays.px_per_mm() * seed.per_scale);
   const double along_px = std::min(across_px + fast * seed.depth_error_mm, kMostAlong_px);
-  const double reach_u = std::abs(u) * along_px + std::abs(v) * across_px;
-  const double reach_v = std::abs(v) * along_px + std::abs(u) * across_px;
+  const bool wanders = rays.wander_px() > kNoWander_px;
+  const double reach_u = std::abs(u) * along_px + std::abs(v) * across_px + rays.wander_px();
+  const double reach_v = std::abs(v) * along_px + std::abs(u) * across_px + rays.wander_px();
+  const Point3 place = seed.sight.from_mm + seed.t * seed.sight.along;
   std::size_t hits = 0;
-  views_[view].across_u().along(at[0] - reach_u, at[1], at[0] + reach_u, at[1], reach_v, [&](const auto& point) {
+  views_[view].across_u().around(at.u, at.v, reach_u, reach_v, [&](const auto& point) {
     ++work_;
-    const double off_u = point.major - at[0], off_v = point.minor - at[1];
-    const bool near = std::abs(off_u * v - off_v * u) <= across_px && std::abs(off_u * u + off_v * v) <= along_px;
-    if (!near) return;
+    std::array<double, 2> off{at.u - point.major, at.v - point.minor};
+    if (wanders) off = miss_px(views_[view].ray(point.number), rays.axes(), place);
+    if (std::abs(off[0] * v - off[1] * u) > across_px || std::abs(off[0] * u + off[1] * v) > along_px) return;
     if (hits < hit.size())
       hit[hits++] = point.number;
     else
@@ -176,6 +208,14 @@ void Correspondence::accept(const ViewMatch& match) noexcept {
     if (match.tuple.detection[v] == kUnseen) continue;
     next_match_[number][v] = std::exchange(first_match_[v][match.tuple.detection[v]], number);
   }
+}
+
+// Two detections of one set of all views need no other set.
+bool Correspondence::seen_by_all(std::size_t first, std::size_t detection, std::size_t second,
+                                 std::uint32_t found) const noexcept {
+  for (std::uint32_t m = first_match_[first][detection]; m != kUnseen; m = next_match_[m][first])
+    if (matches_[m].tuple.views == views_.size() && matches_[m].tuple.detection[second] == found) return true;
+  return false;
 }
 
 // Itself, or within a larger one.

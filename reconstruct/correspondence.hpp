@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/instruction_set.hpp"
-#include "reconstruct/epipolar.hpp"
+#include "reconstruct/epipolar_pencil.hpp"
 #include "reconstruct/tuple_solver.hpp"
 #include "reconstruct/view_match.hpp"
 
@@ -55,18 +55,22 @@ class Correspondence {
 
  private:
   struct Seed;
-  void follow(std::size_t view, std::size_t detection) noexcept;
+  void follow(std::size_t first, std::size_t second, std::size_t detection) noexcept;
+  bool meets(Seed& seed, std::size_t view, std::uint32_t detection, double error_px) const noexcept;
   void extend(const Seed& seed, ViewTuple& tuple, std::size_t view) noexcept;
   static constexpr std::size_t kMostHits = 8;  // in one view, near one place
   std::size_t ask(const Seed& seed, std::size_t view, std::array<std::uint32_t, kMostHits>& hit) noexcept;
   void propose(const ViewTuple& tuple) noexcept;
   void solve(bool all) noexcept;
   void accept(const ViewMatch& match) noexcept;
+  bool seen_by_all(std::size_t first, std::size_t detection, std::size_t second, std::uint32_t found) const noexcept;
   bool listed(const ViewTuple& tuple) const noexcept;
 
   CorrespondenceOptions options_;
   Point3 half_mm_;
   std::vector<SeenView> views_;
+  std::array<std::array<PencilOfLines, kMaxViews>, kMaxViews> lines_;  ///< of a view in another
+  EpipolarPencil pencil_;
   TupleSolver solver_;
   std::vector<ViewMatch> matches_;
   std::array<std::vector<std::uint32_t>, kMaxViews> first_match_;  ///< of each detection, or kUnseen

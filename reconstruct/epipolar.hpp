@@ -56,10 +56,13 @@ struct EpipolarLine {
   double depth(std::size_t axis, double value) const noexcept {
     return (value * p[2] - p[axis]) / (q[axis] - value * q[2]);
   }
-  /// How the image moves with t, px per mm.
-  std::array<double, 2> speed(double t, const std::array<double, 2>& image) const noexcept {
-    const double per = 1 / (p[2] + t * q[2]);
-    return {per * (q[0] - image[0] * q[2]), per * (q[1] - image[1] * q[2])};
+  /// Where depth t is, and how that moves with t, px per mm.
+  struct Place {
+    double u, v, du, dv;
+  };
+  Place place(double t) const noexcept {
+    const double per = 1 / (p[2] + t * q[2]), u = per * (p[0] + t * q[0]), v = per * (p[1] + t * q[1]);
+    return {u, v, per * (q[0] - u * q[2]), per * (q[1] - v * q[2])};
   }
 };
 

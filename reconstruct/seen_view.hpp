@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "calibration/space_algebra.hpp"
 #include "reconstruct/detections.hpp"
 #include "reconstruct/dlt.hpp"
 #include "reconstruct/strip_index.hpp"
@@ -15,7 +16,14 @@ namespace rptv {
 
 /// Column and row by which a ray misses a point (relative to the volume's centre), px: the reprojection error, to first
 /// order in itself.
-std::array<double, 2> miss_px(const SeenRay& ray, const Matrix3& axes, const Point3& at_mm) noexcept;
+inline std::array<double, 2> miss_px(const SeenRay& ray, const Matrix3& axes, const Point3& at_mm) noexcept {
+  const double t = dot(axes[2], at_mm);
+  const double off_x = dot(axes[0], at_mm) - ray.x - t * ray.dx, off_y = dot(axes[1], at_mm) - ray.y - t * ray.dy;
+  const double a = ray.foot[0] + t * ray.foot_dt[0], b = ray.foot[1] + t * ray.foot_dt[1];
+  const double c = ray.foot[2] + t * ray.foot_dt[2], d = ray.foot[3] + t * ray.foot_dt[3];
+  const double per = 1 / (a * d - b * c);
+  return {per * (d * off_x - b * off_y), per * (a * off_y - c * off_x)};
+}
 
 /// Memory is taken at construction. One thread at a time.
 class SeenView {
@@ -30,6 +38,9 @@ class SeenView {
   std::size_t size() const noexcept { return size_; }
   /// False for a detection that look() counted.
   bool usable(std::size_t i) const noexcept { return u_[i] == u_[i]; }
+  /// Where its ray is in the pinhole image, px.
+  double u(std::size_t i) const noexcept { return u_[i]; }
+  double v(std::size_t i) const noexcept { return v_[i]; }
   const SeenRay& ray(std::size_t i) const noexcept { return ray_[i]; }
   /// Misses in px of the ray at depth 0, as rows of eq. (4) for (x, y, z) / scale_mm.
   const DltRowPair& rows(std::size_t i) const noexcept { return row_pair_[i]; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -32,11 +33,9 @@ class StripIndex {
   void along(double from_major, double from_minor, double to_major, double to_minor, double reach,
              const Visit& visit) const noexcept;
 
-  /// visit(point) for every point of the box of half-widths `reach`.
+  /// visit(point) for every point of a box of half-widths `reach_major`, `reach_minor`.
   template <class Visit>
-  void around(double major, double minor, double reach, const Visit& visit) const noexcept {
-    along(major - reach, minor, major + reach, minor, reach, visit);
-  }
+  void around(double major, double minor, double reach_major, double reach_minor, const Visit& visit) const noexcept;
 
  private:
   static std::size_t clamped(double cell, std::size_t cells) noexcept {
@@ -74,6 +73,17 @@ void StripIndex::along(double from_major, double from_minor, double to_major, do
       if (off <= reach && off >= -reach) visit(point);
     }
   }
+}
+
+template <class Visit>
+void StripIndex::around(double major, double minor, double reach_major, double reach_minor,
+                        const Visit& visit) const noexcept {
+  const std::size_t first = cell_of(minor - reach_minor), until = cell_of(minor + reach_minor) + 1;
+  const std::size_t last = strip_of(major + reach_major);
+  for (std::size_t strip = strip_of(major - reach_major); strip <= last; ++strip)
+    for (std::uint32_t i = start_[strip * cells_ + first]; i < start_[strip * cells_ + until]; ++i)
+      if (std::abs(points_[i].major - major) <= reach_major && std::abs(points_[i].minor - minor) <= reach_minor)
+        visit(points_[i]);
 }
 
 }  // namespace rptv

@@ -125,13 +125,14 @@ void ViewRays::fit_pinhole(const std::string& name) {
     throw Error(ExitCode::configuration,
                 fmt::format("camera '{}' gets no light at the middle of its image; correct the rig file", name));
   mixed -= (sum_x * sum_dx + sum_y * sum_dy) / n, square -= (sum_dx * sum_dx + sum_dy * sum_dy) / n;
-  const double centre_t = -std::min(mixed / std::max(square, 1e-12), 1e9);
+  const double centre_t = -std::min(mixed / std::max(square, 1e-12), 1e7);
   foot_x_mm_ = (sum_x + centre_t * sum_dx) / n, foot_y_mm_ = (sum_y + centre_t * sum_dy) / n;
   scale_ = 1 / std::sqrt(std::abs(middle.foot[0] * middle.foot[3] - middle.foot[1] * middle.foot[2]));
   const double focal = -scale_ * centre_t;
   for (std::size_t k = 0; k < 3; ++k)
     pinhole_[0][k] = focal * axes_[0][k], pinhole_[1][k] = focal * axes_[1][k], pinhole_[2][k] = axes_[2][k];
   pinhole_[0][3] = -focal * foot_x_mm_, pinhole_[1][3] = -focal * foot_y_mm_, pinhole_[2][3] = -centre_t;
+  pinhole_centre_mm_ = foot_x_mm_ * axes_[0] + foot_y_mm_ * axes_[1] + centre_t * axes_[2];
   range_ = {1e300, 1e300, -1e300, -1e300};
   for (const Node& node : nodes_) {
     if (node.x != node.x) continue;

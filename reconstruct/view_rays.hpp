@@ -44,6 +44,8 @@ class ViewRays {
 
   /// The pinhole that fits the rays best. Where the camera sees through air, each ray is one point in it.
   const Projection& pinhole() const noexcept { return pinhole_; }
+  /// Where that pinhole is, relative to the volume's centre.
+  const Point3& pinhole_centre_mm() const noexcept { return pinhole_centre_mm_; }
   /// Image of a ray in pinhole(), at depth 0.
   std::array<double, 2> in_pinhole(const SeenRay& ray) const noexcept {
     return {scale_ * (ray.x - foot_x_mm_), scale_ * (ray.y - foot_y_mm_)};
@@ -74,6 +76,7 @@ class ViewRays {
   std::size_t columns_ = 0, rows_ = 0;
   std::vector<Node> nodes_;
   Projection pinhole_{};
+  Point3 pinhole_centre_mm_{};
   double scale_ = 0, foot_x_mm_ = 0, foot_y_mm_ = 0;
   double wander_px_ = 0, table_error_px_ = 0;
   std::array<double, 4> range_{};
