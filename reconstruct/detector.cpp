@@ -3,7 +3,9 @@
 #include "reconstruct/detector.hpp"
 
 #include <algorithm>
+#include <optional>
 
+#include "reconstruct/blob_finder.hpp"
 #include "reconstruct/dark_pixels.hpp"
 #include "reconstruct/running_background.hpp"
 #include "reconstruct/spot_finder.hpp"
@@ -23,16 +25,30 @@ DarkSettings dark_settings(const DetectorSettings& settings, std::size_t camera)
 struct Detector::Stages {
   Stages(const DetectorSettings& settings, const ImageShape& image_shape, const ImageView& background,
          std::size_t camera, InstructionSet set)
-      : shape(image_shape), dark(make_dark(dark_settings(settings, camera), shape, background)), spots(settings, set) {
+      : shape(image_shape), dark(make_dark(dark_settings(settings, camera), shape, background)) {
+    if (settings.method == "blob")
+      blobs.emplace(settings, shape, set);
+    else
+      spots.emplace(settings, set);
     if (settings.running_background)
       learner = std::make_unique<RunningBackground>(
           shape, dark, settings.noise_grey, background.data != nullptr,
           RunningBackgroundOptions{settings.threshold, settings.threshold_sigmas, settings.background_frames});
   }
 
+  template <class Pixel>
+  void find(const ImageView& image, Detections& out) noexcept {
+    const DarkPixels& now_dark = learner ? learner->dark() : dark;
+    if (blobs)
+      blobs->find<Pixel>(image, now_dark, out, counts);
+    else
+      spots->find<Pixel>(image, now_dark, out, counts);
+  }
+
   const ImageShape shape;
-  const DarkPixels dark;  // at the start
-  SpotFinder spots;
+  const DarkPixels dark;            // at the start
+  std::optional<BlobFinder> blobs;  // one of the two
+  std::optional<SpotFinder> spots;
   std::unique_ptr<RunningBackground> learner;  // with settings.running_background
   DetectorCounts counts;
 };
@@ -54,11 +70,10 @@ void Detector::detect(const ImageView& image, Detections& out) noexcept {
     return;
   }
   if (s.learner) s.learner->refresh();
-  const DarkPixels& dark = s.learner ? s.learner->dark() : s.dark;
   if (image.shape.bytes_per_pixel == 1)
-    s.spots.find<std::uint8_t>(image, dark, out, s.counts);
+    s.find<std::uint8_t>(image, out);
   else
-    s.spots.find<std::uint16_t>(image, dark, out, s.counts);
+    s.find<std::uint16_t>(image, out);
   if (s.learner) s.learner->offer(image);
   ++s.counts.frames;
 }

@@ -49,6 +49,9 @@ class GreyOverBackground {
   float over(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) - mean_[i & table_]; }
   /// Highest value of over(i) that is still dark.
   float dark(std::size_t i) const noexcept { return static_cast<float>(limits_[i]) - mean_[i & table_]; }
+  float over_limit(std::size_t i) const noexcept {
+    return static_cast<float>(pixels_[i]) - static_cast<float>(limits_[i]);
+  }
   bool saturated(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) >= saturation_; }
   /// Asks for the memory of a square that will be read soon; parts of it may lie outside.
   void prefetch_square(PixelIndex middle, std::int32_t radius) const noexcept {

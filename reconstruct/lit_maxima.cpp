@@ -2,9 +2,9 @@
 // The scan: pixels are compared with their limits 64 at once, and only where some are lit also with their neighbours.
 #include "reconstruct/lit_maxima.hpp"
 
-#include <array>
 #include <bit>
 
+#include "reconstruct/lit_chunks.hpp"
 #include "reconstruct/lit_maxima_mask.hpp"
 
 namespace rptv {
@@ -34,41 +34,29 @@ class Sink {
   std::size_t count_ = 0, row_ = 0, row_begin_ = 0;
 };
 
-// How many times 64 pixels go through one step before the next: what was read is still in the nearest cache.
-constexpr std::size_t kBlocks = 256;
-
 // Compiled once per instruction set. Between rows the neighbours of a pixel are those of another row, in memory; the
-// sink leaves such pixels out. Blocks that hold nothing are dropped without a branch, which would be guessed wrong once
-// for every row of every particle image.
+// sink leaves such pixels out. Blocks without a maximum are dropped without a branch, as those without a lit pixel.
 template <class Lit, class Maxima, class Pixel>
 [[gnu::always_inline]] inline std::size_t scan(const Pixel* pixels, const ImageShape& shape, const DarkLimit& limit,
                                                std::span<PixelIndex> maxima) noexcept {
   if (shape.width_px < 3 || shape.height_px < 3) return 0;
   const auto stride = static_cast<std::ptrdiff_t>(shape.width_px);
-  const std::uint16_t* limits = limit.limits().data();
-  const std::size_t step = limit.uniform() ? 0 : 1;  // the same limits again: half of the memory traffic
-  const std::size_t end = shape.pixels() - shape.width_px - 1;
   Sink sink(shape, maxima);
-  std::array<std::size_t, kBlocks> at;
-  std::array<std::uint64_t, kBlocks> mask;
-  std::size_t i = shape.width_px + 1;
-  while (i + 64 <= end) {
-    std::size_t blocks = 0, lit = 0;
-    for (; blocks < kBlocks && i + 64 <= end; ++blocks, i += 64) {
-      at[lit] = i, mask[lit] = Lit::above(pixels + i, limits + step * i);
-      lit += mask[lit] != 0;
-    }
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < lit; ++k) {
-      at[kept] = at[k], mask[kept] = Maxima::among(mask[k], pixels + at[k], stride);
-      kept += mask[kept] != 0;
-    }
-    for (std::size_t k = 0; k < kept; ++k)
-      for (; mask[k] != 0; mask[k] &= mask[k] - 1)
-        sink.push(at[k] + static_cast<std::size_t>(std::countr_zero(mask[k])));
-  }
-  for (; i < end; ++i)
-    if (pixels[i] > limits[i] && is_maximum(pixels + i, stride)) sink.push(i);
+  each_lit_chunk<Lit>(
+      pixels, limit, shape.width_px + 1, shape.pixels() - shape.width_px - 1,
+      [&](LitChunk & chunk, std::size_t lit) __attribute__((always_inline)) {
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < lit; ++k) {
+          chunk.at[kept] = chunk.at[k], chunk.mask[kept] = Maxima::among(chunk.mask[k], pixels + chunk.at[k], stride);
+          kept += chunk.mask[kept] != 0;
+        }
+        for (std::size_t k = 0; k < kept; ++k)
+          for (std::uint64_t mask = chunk.mask[k]; mask != 0; mask &= mask - 1)
+            sink.push(chunk.at[k] + static_cast<std::size_t>(std::countr_zero(mask)));
+      },
+      [&](std::size_t i) __attribute__((always_inline)) {
+        if (is_maximum(pixels + i, stride)) sink.push(i);
+      });
   return sink.count();
 }
 

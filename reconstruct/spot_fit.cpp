@@ -113,7 +113,8 @@ RPTV_LANES Centre gaussian(const Square& square) noexcept {
   const Lanes x = fit.b / fit.q * -0.5F, y = fit.c / fit.q * -0.5F;
   const auto reach = static_cast<float>(square.options.radius);
   const Lanes variance = equations.variance(fit, x, y);
-  const LaneBits good = (x * x < reach * reach) & (y * y < reach * reach) & (fit.q < -0.02F) & (variance > 0.0F);
+  const LaneBits good = (x * x < reach * reach) & (y * y < reach * reach) & (fit.q < -0.02F) & (variance > 0.0F) &
+                        (variance < 1.0F);  // a pixel off tells nothing
   return {x, y, variance, ~good};
 }
 
@@ -135,7 +136,7 @@ RPTV_LANES Parabola parabola(const Square& square, std::size_t before, std::size
                           g2 * g2 * square.noise(i2) / (i2 * i2)) /
                          (bend * bend * 4.0F);
   const LaneBits good =
-      (usable > 0.0F) & (bend < 0.0F) & (i0 > 2e-3F) & (i2 > 2e-3F) & (at * at < 1.0F) & (variance < 4.0F);
+      (usable > 0.0F) & (bend < 0.0F) & (i0 > 2e-3F) & (i2 > 2e-3F) & (at * at < 1.0F) & (variance < 1.0F);
   return {at, variance, good};
 }
 

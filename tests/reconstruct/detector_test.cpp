@@ -8,6 +8,7 @@
 #include "tests/core/allocation_counter.hpp"
 #include "tests/core/instruction_sets.hpp"
 #include "tests/reconstruct/painted_spots.hpp"
+#include "tests/reconstruct/spot_score.hpp"
 
 namespace rptv {
 namespace {
