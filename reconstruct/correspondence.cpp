@@ -64,11 +64,9 @@ std::span<const ViewMatch> Correspondence::match(std::span<const Detections> see
   matches_.clear();
   solver_.clear();
   work_ = 0;
-  counts_.pairs = counts_.tuples = 0;
-  for (std::size_t v = 0; v < views_.size(); ++v) {
-    counts_.unusable_detections += views_[v].look(seen[v]);
-    std::fill_n(first_match_[v].begin(), views_[v].size(), kUnseen);
-  }
+  counts_.rays = counts_.pairs = counts_.tuples = 0;
+  for (std::size_t v = 0; v < views_.size(); ++v) counts_.unusable_detections += views_[v].look(seen[v]);
+  forget();
   for (std::size_t first = 0; first + options_.min_views <= views_.size(); ++first)
     for (std::size_t second = first + 1; second + options_.min_views <= views_.size() + 1; ++second) {
       if (lines_[first][second].usable) pencil_.build(lines_[first][second], views_[second]);
@@ -83,8 +81,13 @@ std::span<const ViewMatch> Correspondence::match(std::span<const Detections> see
   return matches_;
 }
 
+void Correspondence::forget() noexcept {
+  for (std::size_t v = 0; v < views_.size(); ++v) std::fill_n(first_match_[v].begin(), views_[v].size(), kUnseen);
+}
+
 std::span<const ViewMatch> Correspondence::add(std::span<const ViewTuple> tuples) noexcept {
   const std::size_t before = matches_.size();
+  forget();
   for (const ViewTuple& tuple : tuples) propose(tuple);
   solve(true);
   return std::span<const ViewMatch>(matches_).subspan(before);
@@ -94,6 +97,7 @@ void Correspondence::follow(std::size_t first, std::size_t second, std::size_t d
   Seed seed;
   views_[first].sight(detection, seed.sight.from_mm, seed.sight.along);
   if (!clip(half_mm_, seed.sight)) return;
+  ++counts_.rays;
   const ViewRays& rays = views_[second].rays();
   seed.per_scale = kSlack / views_[first].rays().px_per_mm();
   const EpipolarLine line(rays.pinhole(), seed.sight);

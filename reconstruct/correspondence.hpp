@@ -27,7 +27,7 @@ struct CorrespondenceCounts {
   std::uint64_t unsearched = 0;           ///< detections whose ray was not followed: the frame's work was used up
   std::uint64_t refused_hits = 0;         ///< detections near one place beyond the first eight
   std::uint64_t refused_matches = 0;      ///< beyond max_matches
-  std::size_t pairs = 0, tuples = 0;      ///< of the last frame: two-view candidates, tuples solved
+  std::size_t rays = 0, pairs = 0, tuples = 0;  ///< of the last frame: followed (once a view), near them, solved
 };
 
 /// A ray of the first view is followed through the images of the later ones; what is near it fixes a depth, and the
@@ -45,9 +45,10 @@ class Correspondence {
   /// One list per view. Valid until the next call, as views().
   std::span<const ViewMatch> match(std::span<const Detections> seen) noexcept;
 
-  /// Tries tuples that the caller made of detections of the last match(); those that meet are added to the list, whose
-  /// new end is returned.
+  /// Tries tuples that the caller made of detections of the last match(), also when they are within listed ones; those
+  /// that meet are added behind the list, and returned.
   std::span<const ViewMatch> add(std::span<const ViewTuple> tuples) noexcept;
+  std::size_t size() const noexcept { return matches_.size(); }
 
   std::span<const SeenView> views() const noexcept { return views_; }
   const CorrespondenceOptions& options() const noexcept { return options_; }
@@ -55,6 +56,7 @@ class Correspondence {
 
  private:
   struct Seed;
+  void forget() noexcept;
   void follow(std::size_t first, std::size_t second, std::size_t detection) noexcept;
   bool meets(Seed& seed, std::size_t view, std::uint32_t detection, double error_px) const noexcept;
   void extend(const Seed& seed, ViewTuple& tuple, std::size_t view) noexcept;
