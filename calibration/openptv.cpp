@@ -70,8 +70,8 @@ CameraModel from_openptv(const OpenptvCamera& c, const OpenptvSetup& setup, Open
   lens.skew_px = rows_scale * std::sin(c.shear_rad) * f / setup.pixel_x_mm;  // liboptv's y is up: the sign turns
   lens.cx_px = 0.5 * (setup.width_px - 1), lens.cy_px = 0.5 * (setup.height_px - 1);
   lens.k1 = c.k1 * f * f, lens.k2 = c.k2 * f * f * f * f, lens.k3 = c.k3 * f * f * f * f * f * f;
-  lens.p1 = -c.p2 * f, lens.p2 = c.p1 * f;  // OpenCV numbers them the other way round
-  lens.offset_x = c.xh_mm / f, lens.offset_y = -c.yh_mm / f;
+  lens.p1 = 0 - c.p2 * f, lens.p2 = c.p1 * f;                    // OpenCV numbers them the other way round
+  lens.offset_x = c.xh_mm / f, lens.offset_y = 0 - c.yh_mm / f;  // no -0
   CameraPose pose;
   pose.rotation = kAxes * transpose(openptv_rotation(c.angles_rad));
   pose.translation_mm = -1.0 * (pose.rotation * c.position_mm);
