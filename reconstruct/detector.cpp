@@ -29,7 +29,7 @@ struct Detector::Stages {
     if (settings.method == "blob")
       blobs.emplace(settings, shape, set);
     else
-      spots.emplace(settings, set);
+      spots.emplace(settings, shape, set);
     if (settings.running_background)
       learner = std::make_unique<RunningBackground>(
           shape, dark, settings.noise_grey, background.data != nullptr,

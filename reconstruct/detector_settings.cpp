@@ -19,6 +19,8 @@ void DetectorSettings::fields(FieldList& list) {
   list.integer("radius_px", radius_px, 1, 3, "half-width of the square that tells the centre; blobs have none");
   list.number("split_sigmas", split_sigmas, 0, 1000,
               "two maxima are two particles when the grey between them falls by this many of its noise");
+  list.integer("overlap_sweeps", overlap_sweeps, 0, 100,
+               "gaussian: how often spots that overlap are fitted to what the others leave; 0: never");
   list.integer("min_area_px", min_area_px, 1, 1000000, "lit pixels that a particle image has at least");
   list.integer("max_area_px", max_area_px, 1, 1000000, "lit pixels that a blob has at most");
   list.number("saturation_grey", saturation_grey, 0, 65535,

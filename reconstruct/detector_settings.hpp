@@ -21,6 +21,7 @@ struct DetectorSettings {
   std::string method = "gaussian";   ///< how the centre is found: "gaussian", "three_point", "centroid", "blob"
   std::int64_t radius_px = 2;        ///< half-width of the square round a maximum that tells its centre; not of blobs
   double split_sigmas = 4;           ///< two maxima are two particles when the grey falls by this many of its noise
+  std::int64_t overlap_sweeps = 4;   ///< "gaussian": fits of spots that overlap to what the others leave; 0: none
   std::int64_t min_area_px = 3;      ///< lit pixels of a particle image
   std::int64_t max_area_px = 10000;  ///< lit pixels of a blob
   double saturation_grey = 0;        ///< from here a pixel tells nothing; 0: the highest that 8 or 16 bits hold

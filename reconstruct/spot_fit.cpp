@@ -4,6 +4,7 @@
 
 #include "reconstruct/lanes.hpp"
 #include "reconstruct/lit_mask.hpp"
+#include "reconstruct/log_gaussian.hpp"
 
 namespace rptv {
 
@@ -21,51 +22,8 @@ RPTV_LANES void store(Lanes value, std::array<float, kLanes>& to) noexcept {
 
 struct Centre {
   Lanes x, y, variance;
-  LaneBits bad;  // no peak within the square
-};
-
-// ln I = a + b·x + c·y + q·(x² + y²): a Gaussian centred at -b/2q, -c/2q with σ² = -1/2q.
-struct LogGaussian {
-  Lanes a, b, c, q;
-};
-
-// Weighted normal equations of the four and their LDLᵀ factors.
-struct NormalEquations {
-  Lanes n{}, x{}, y{}, xx{}, xy{}, yy{}, xr{}, yr{}, rr{};
-  Lanes t1{}, tx{}, ty{}, tr{};
-  Lanes d1, d2, d3, l10, l20, l30, l21, l31, l32;
-
-  RPTV_LANES void add(float dx, float dy, Lanes weight, Lanes weighted_log) noexcept {
-    const float r = dx * dx + dy * dy;
-    const Lanes wx = weight * dx, wy = weight * dy;
-    n += weight, x += wx, y += wy, xx += wx * dx, xy += wx * dy, yy += wy * dy;
-    xr += wx * r, yr += wy * r, rr += weight * (r * r);
-    t1 += weighted_log, tx += weighted_log * dx, ty += weighted_log * dy, tr += weighted_log * r;
-  }
-  RPTV_LANES LogGaussian solve() noexcept {
-    const Lanes r = xx + yy;
-    l10 = x / n, l20 = y / n, l30 = r / n;
-    d1 = xx - l10 * x;
-    const Lanes e21 = xy - l20 * x, e31 = xr - l30 * x;
-    l21 = e21 / d1, l31 = e31 / d1;
-    d2 = yy - l20 * y - l21 * e21;
-    const Lanes e32 = yr - l30 * y - l31 * e21;
-    l32 = e32 / d2;
-    d3 = rr - l30 * r - l31 * e31 - l32 * e32;
-    const Lanes z1 = tx - l10 * t1, z2 = ty - l20 * t1 - l21 * z1, z3 = tr - l30 * t1 - l31 * z1 - l32 * z2;
-    LogGaussian fit;
-    fit.q = z3 / d3;
-    fit.c = z2 / d2 - l32 * fit.q;
-    fit.b = z1 / d1 - l21 * fit.c - l31 * fit.q;
-    fit.a = t1 / n - l10 * fit.b - l20 * fit.c - l30 * fit.q;
-    return fit;
-  }
-  // With g the derivatives of -b/2q and -c/2q, gᵀN⁻¹g = |D^(-1/2) L⁻¹ g|².
-  RPTV_LANES Lanes variance(const LogGaussian& fit, Lanes at_x, Lanes at_y) const noexcept {
-    const Lanes u3 = at_x * 2.0F - l31 + l32 * l21, v3 = at_y * 2.0F - l32;
-    const Lanes of_x = 1.0F / d1 + l21 * l21 / d2 + u3 * u3 / d3, of_y = 1.0F / d2 + v3 * v3 / d3;
-    return (of_x + of_y) / (fit.q * fit.q * 8.0F);
-  }
+  LaneBits bad;                                            // no peak within the square
+  Lanes peak = Lanes{}, bend = Lanes{}, misfit = Lanes{};  // of a Gaussian
 };
 
 struct Square {
@@ -100,13 +58,20 @@ RPTV_LANES Centre gaussian(const Square& square) noexcept {
   });
   LogGaussian fit = start.solve();
   NormalEquations equations;
+  Lanes left{};  // squares of what the model leaves, over their variance
   for (int step = 0; step < kSteps; ++step) {
     bound(fit);
     equations = NormalEquations();
+    equations.rr = all_lanes(square.options.bend_weight);
+    equations.tr = equations.rr * square.options.expected_bend;
+    left = Lanes{};
     square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
       const Lanes logarithm = fit.a + fit.b * dx + fit.c * dy + fit.q * (dx * dx + dy * dy);
-      const Lanes model = exp_of(logarithm), per_noise = load(square.batch.usable[k]) / square.noise(model) * model;
-      equations.add(dx, dy, per_noise * model, per_noise * (model * logarithm + load(square.batch.grey[k]) - model));
+      const Lanes model = exp_of(logarithm), off = load(square.batch.grey[k]) - model;
+      const Lanes per_noise = load(square.batch.usable[k]) / square.noise(model);
+      const Lanes weight = per_noise * model;
+      equations.add(dx, dy, weight * model, weight * (model * logarithm + off));
+      left += per_noise * off * off;
     });
     fit = equations.solve();
   }
@@ -115,7 +80,11 @@ RPTV_LANES Centre gaussian(const Square& square) noexcept {
   const Lanes variance = equations.variance(fit, x, y);
   const LaneBits good = (x * x < reach * reach) & (y * y < reach * reach) & (fit.q < -0.02F) & (variance > 0.0F) &
                         (variance < 1.0F);  // a pixel off tells nothing
-  return {x, y, variance, ~good};
+  const Lanes peak = exp_of(fit.a + (fit.b * x + fit.c * y) * 0.5F);
+  Lanes usable{};
+  square.each([&](std::size_t k, float, float)
+                  __attribute__((always_inline)) { usable += load(square.batch.usable[k]); });
+  return {x, y, variance, ~good, peak, fit.q, left / most(usable - 4.0F, all_lanes(1))};
 }
 
 struct Parabola {
@@ -144,7 +113,7 @@ RPTV_LANES Centre three_point(const Square& square) noexcept {
   const std::size_t side = 2 * square.options.radius + 1, middle = side * side / 2;
   const Parabola along_x = parabola(square, middle - 1, middle, middle + 1);
   const Parabola along_y = parabola(square, middle - side, middle, middle + side);
-  return {along_x.at, along_y.at, (along_x.variance + along_y.variance) * 0.5F, ~(along_x.good & along_y.good)};
+  return Centre{along_x.at, along_y.at, (along_x.variance + along_y.variance) * 0.5F, ~(along_x.good & along_y.good)};
 }
 
 struct Light {
@@ -189,13 +158,16 @@ RPTV_LANES Light centroid(const Square& square) noexcept {
     return least(most(at, all_lanes(-radius)), all_lanes(radius));
   };
   const Lanes variance = (spread_x * per_x * per_x + spread_y * per_y * per_y) / (safe * safe) * 0.5F;
-  return {{clamped(x * per_x), clamped(y * per_y), variance, LaneBits{}}, sum};
+  return {Centre{clamped(x * per_x), clamped(y * per_y), variance, LaneBits{}}, sum};
 }
 
 RPTV_LANES void replace_bad(Centre& centre, const Centre& by) noexcept {
   centre.x = centre.bad ? by.x : centre.x;
   centre.y = centre.bad ? by.y : centre.y;
   centre.variance = centre.bad ? by.variance : centre.variance;
+  centre.peak = centre.bad ? by.peak : centre.peak;
+  centre.bend = centre.bad ? by.bend : centre.bend;
+  centre.misfit = centre.bad ? by.misfit : centre.misfit;
   centre.bad &= by.bad;
 }
 
@@ -209,6 +181,7 @@ RPTV_LANES void find(const SpotBatch& batch, const SpotOptions& options, SpotCen
   if (any(centre.bad)) replace_bad(centre, light.centre);
   store(centre.x, centres.x), store(centre.y, centres.y);
   store(centre.variance, centres.variance), store(light.sum, centres.grey);
+  store(centre.peak, centres.peak), store(centre.bend, centres.bend), store(centre.misfit, centres.misfit);
 }
 
 void find_portable(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {

@@ -18,7 +18,7 @@ struct alignas(64) SpotBatch {
 
   std::array<std::array<float, kSpots>, kMostPixels>
       grey;  ///< over the background; 0 where `usable` is for a neighbour
-  std::array<std::array<float, kSpots>, kMostPixels> usable;  ///< 1; 0: saturated, outside or a neighbour's
+  std::array<std::array<float, kSpots>, kMostPixels> usable;  ///< weight: 1; 0: saturated, outside or a neighbour's
 };
 
 /// Where they are, in pixels from the middle of their squares.
@@ -26,6 +26,10 @@ struct alignas(64) SpotCentres {
   std::array<float, SpotBatch::kSpots> x, y;
   std::array<float, SpotBatch::kSpots> variance;  ///< of x and of y, their mean, px²
   std::array<float, SpotBatch::kSpots> grey;      ///< sum over the square
+  // of the Gaussian; where there is none, bend is 0
+  std::array<float, SpotBatch::kSpots> peak;    ///< its highest value
+  std::array<float, SpotBatch::kSpots> bend;    ///< -1/2σ², px⁻²
+  std::array<float, SpotBatch::kSpots> misfit;  ///< reduced χ²: 1 when noise is all that it leaves
 };
 
 struct SpotOptions {
@@ -33,6 +37,7 @@ struct SpotOptions {
   std::size_t radius = 2;    ///< 1 to kMostRadius
   float noise_variance = 1;  ///< of a dark pixel, grey²
   float grey_per_electron = 0.25F;
+  float expected_bend = 0, bend_weight = 0;  ///< what is known of bend beforehand; weight: one over its variance
 };
 
 /// `gaussian`: least squares of A·exp(-((x-x₀)² + (y-y₀)²)/2σ²) with each pixel's weight by its noise: a fit to the
