@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSlack = 1.15;        // scales vary over the volume by less
 constexpr double kNoWander_px = 0.01;  // less is not worth a look at the rays
-constexpr double kMostAlong_px = 64;   // where two views hardly fix a depth
+constexpr double kMostAlong = 32;      // tolerances, where two views hardly fix a depth
 
 Point3 half_of(const Volume& volume) { return volume.to - volume.centre(); }
 
@@ -154,7 +154,7 @@ std::size_t Correspondence::ask(const Seed& seed, std::size_t view,
   const auto at = line.place(seed.t);
   const double fast = std::sqrt(at.du * at.du + at.dv * at.dv) + 1e-9, u = at.du / fast, v = at.dv / fast;
   const double across_px = options_.tolerance_px * (1 + rays.px_per_mm() * seed.per_scale);
-  const double along_px = std::min(across_px + fast * seed.depth_error_mm, kMostAlong_px);
+  const double along_px = std::min(across_px + fast * seed.depth_error_mm, kMostAlong * options_.tolerance_px);
   const bool wanders = rays.wander_px() > kNoWander_px;
   const double reach_u = std::abs(u) * along_px + std::abs(v) * across_px + rays.wander_px();
   const double reach_v = std::abs(v) * along_px + std::abs(u) * across_px + rays.wander_px();

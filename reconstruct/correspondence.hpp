@@ -31,9 +31,9 @@ struct CorrespondenceCounts {
 };
 
 /// A ray of the first view is followed through the images of the later ones; what is near it fixes a depth, and the
-/// other views are asked at that depth. Sets that do not meet are tried without each one of their views. A set within a
-/// set that meets is not listed. One thread at a time; match() allocates nothing, and its time is bounded by
-/// kWorkPerMatch · max_matches steps of some 10 ns.
+/// other views are asked at that depth. Two detections of a listed set of all views are not followed again. Sets that
+/// do not meet are tried without each one of their views. A set within a set that meets is not listed. One thread at a
+/// time; match() allocates nothing, and its time is bounded by kWorkPerMatch · max_matches steps of some 10 ns.
 class Correspondence {
  public:
   static constexpr std::uint64_t kWorkPerMatch = 64;

@@ -45,13 +45,13 @@ inline Rig make_rig(std::size_t views, bool tank = false) {
   return rig;
 }
 
-/// Particles at random in a cube of half-edge 100 mm, detected with Gaussian errors; a view misses a particle with
-/// probability `missed`. Detections of a view are shuffled.
+/// Particles at random in a cube of half-edge `half_mm` within the volume, detected with Gaussian errors; a view misses
+/// a particle with probability `missed`. Detections of a view are shuffled.
 inline ViewScene make_scene(std::size_t views, std::size_t particles, double noise_px, double missed = 0,
-                            bool tank = false, unsigned seed = 1) {
+                            bool tank = false, unsigned seed = 1, double half_mm = 100) {
   ViewScene scene{make_rig(views, tank), {{-100, -100, -100}, {100, 100, 100}}, {}, {}, {}};
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(-100, 100), chance(0, 1);
+  std::uniform_real_distribution<double> place(-half_mm, half_mm), chance(0, 1);
   std::normal_distribution<double> error(0, noise_px);
   for (std::size_t i = 0; i < particles; ++i) scene.particles.push_back({place(random), place(random), place(random)});
   scene.tuples.assign(particles, ViewTuple::none());
