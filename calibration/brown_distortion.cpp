@@ -8,7 +8,7 @@
 namespace rptv {
 
 namespace {
-constexpr int kMostSteps = 50;
+constexpr int kQuickSteps = 6, kMostSteps = 50;
 constexpr double kFarthest = 1e3;  ///< focal lengths: 89.94 degrees off the axis
 
 /// The smallest positive root in s = r² of d(r·radial)/dr = 1 + 3 k1 s + 5 k2 s² + 7 k3 s³, by its sign on a fine
@@ -52,7 +52,7 @@ Matrix2 BrownDistortion::derivative(const Pixel& ideal) const noexcept {
 
 std::optional<Pixel> BrownDistortion::distort(const Pixel& ideal) const noexcept {
   if (none_) return ideal;
-  if (!(std::hypot(ideal[0], ideal[1]) < fold_radius_)) return std::nullopt;
+  if (!within_fold(ideal)) return std::nullopt;
   if ((p1_ != 0 || p2_ != 0) && !(determinant_of(derivative(ideal)) > 0)) return std::nullopt;
   return apply(ideal);
 }
@@ -75,24 +75,38 @@ double BrownDistortion::ideal_radius(double seen_radius) const noexcept {
   return r;
 }
 
+/// One step of Newton's method towards `seen`; its squared length, or NaN where the image folds.
+double BrownDistortion::approach(const Pixel& seen, Pixel& ideal) const noexcept {
+  const Pixel there = apply(ideal);
+  const Matrix2 m = derivative(ideal);
+  const double d = determinant_of(m), x = seen[0] - there[0], y = seen[1] - there[1];
+  if (!(d > 0)) return std::numeric_limits<double>::quiet_NaN();
+  const double step_x = (m[1][1] * x - m[0][1] * y) / d, step_y = (m[0][0] * y - m[1][0] * x) / d;
+  ideal[0] += step_x, ideal[1] += step_y;
+  return step_x * step_x + step_y * step_y;
+}
+
 std::optional<Pixel> BrownDistortion::undistort(const Pixel& seen) const noexcept {
   if (none_) return seen;
+  // The common case: a few steps from where the light lands. A step of 1e-8 leaves its square.
+  Pixel ideal = seen;
+  for (int step = 0; step < kQuickSteps; ++step) {
+    const double length2 = approach(seen, ideal);
+    if (length2 <= 1e-16) return within_fold(ideal) ? std::optional(ideal) : undistort_carefully(seen);
+  }
+  return undistort_carefully(seen);
+}
+
+/// From the radial part's own inverse, which bisection finds wherever there is one.
+std::optional<Pixel> BrownDistortion::undistort_carefully(const Pixel& seen) const noexcept {
   const double radius = std::hypot(seen[0], seen[1]);
   if (!(radius < kFarthest)) return std::nullopt;
   const double scale = radius > 0 ? ideal_radius(radius) / radius : 1;
   Pixel ideal{scale * seen[0], scale * seen[1]};
-  double missed = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMostSteps; ++step) {
-    const Pixel there = apply(ideal);
-    const Pixel off{seen[0] - there[0], seen[1] - there[1]};
-    const double misses = std::hypot(off[0], off[1]);
-    if (misses == 0 || (misses < 1e-13 * (1 + radius) && misses >= missed)) break;
-    missed = misses;
-    const Matrix2 m = derivative(ideal);
-    const double d = determinant_of(m);
-    if (!(d > 0)) return std::nullopt;
-    ideal[0] += (m[1][1] * off[0] - m[0][1] * off[1]) / d;
-    ideal[1] += (m[0][0] * off[1] - m[1][0] * off[0]) / d;
+    const double length2 = approach(seen, ideal);
+    if (!(length2 == length2)) return std::nullopt;
+    if (length2 <= 1e-30) break;
   }
   const auto back = distort(ideal);
   if (!back || !(std::hypot((*back)[0] - seen[0], (*back)[1] - seen[1]) < 1e-12 * (1 + radius))) return std::nullopt;

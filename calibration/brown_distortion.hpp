@@ -37,6 +37,11 @@ class BrownDistortion {
  private:
   double radial(double r2) const noexcept { return 1 + r2 * (k1_ + r2 * (k2_ + r2 * k3_)); }
   Pixel apply(const Pixel& ideal) const noexcept;
+  bool within_fold(const Pixel& ideal) const noexcept {
+    return ideal[0] * ideal[0] + ideal[1] * ideal[1] < fold_radius_ * fold_radius_;
+  }
+  double approach(const Pixel& seen, Pixel& ideal) const noexcept;
+  std::optional<Pixel> undistort_carefully(const Pixel& seen) const noexcept;
   double ideal_radius(double seen_radius) const noexcept;
 
   double k1_ = 0, k2_ = 0, k3_ = 0, p1_ = 0, p2_ = 0;
