@@ -21,6 +21,10 @@ void DetectorSettings::fields(FieldList& list) {
               "two maxima are two particles when the grey between them falls by this many of its noise");
   list.integer("overlap_sweeps", overlap_sweeps, 0, 100,
                "gaussian: how often spots that overlap are fitted to what the others leave; 0: never");
+  list.flag("find_hidden", find_hidden,
+            "gaussian: where a spot is not what one Gaussian gives, put another one; for images that are all round");
+  list.integer("max_overlapping", max_overlapping, 1, 1000000,
+               "spots that overlap in a frame; where there are more, none is fitted so and all are counted");
   list.integer("min_area_px", min_area_px, 1, 1000000, "lit pixels that a particle image has at least");
   list.integer("max_area_px", max_area_px, 1, 1000000, "lit pixels that a blob has at most");
   list.number("saturation_grey", saturation_grey, 0, 65535,

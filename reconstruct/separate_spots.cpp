@@ -57,6 +57,7 @@ Plateau plateau_of(const GreyOverBackground<Pixel>& grey, PixelIndex top) noexce
 
 SeparateSpots::SeparateSpots(const DetectorSettings& settings, std::size_t most_maxima)
     : radius_(static_cast<std::int32_t>(settings.radius_px)),
+      reach_(settings.overlap_sweeps > 0 ? crowd_reach(radius_) : merge_reach(radius_)),
       split_sigmas_(static_cast<float>(settings.split_sigmas)),
       noise_(GreyNoise::of(settings.noise_grey, settings.electrons_per_grey)) {
   spots_.reserve(most_maxima);
@@ -92,11 +93,11 @@ void SeparateSpots::place_squares(const GreyOverBackground<Pixel>& grey, std::sp
 // them falls by no more than noise does.
 template <class Pixel>
 void SeparateSpots::drop_noise(const GreyOverBackground<Pixel>& grey, std::span<const PixelIndex> maxima) noexcept {
-  const std::int32_t merge_reach = 2 * radius_ + 1;
+  const std::int32_t mergeable = merge_reach(radius_);
   pairs_.clear();
-  each_near_pair(maxima, crowd_reach(radius_), [&](std::size_t i, std::size_t j) {
+  each_near_pair(maxima, reach_, [&](std::size_t i, std::size_t j) {
     if (pairs_.size() < pairs_.capacity()) pairs_.push_back({i, j});
-    if (maxima[j].y - maxima[i].y > merge_reach || std::abs(maxima[j].x - maxima[i].x) > merge_reach) return;
+    if (maxima[j].y - maxima[i].y > mergeable || std::abs(maxima[j].x - maxima[i].x) > mergeable) return;
     const std::size_t first = grey.index(maxima[i].x, maxima[i].y), second = grey.index(maxima[j].x, maxima[j].y);
     const bool first_is_lower = grey.raw(first) < grey.raw(second);
     const std::size_t lower = first_is_lower ? first : second;
@@ -117,7 +118,9 @@ void SeparateSpots::share_pixels() noexcept {
   };
   for (const auto& [i, j] : pairs_) {
     if (spots_[i].merged || spots_[j].merged) continue;
-    spots_[i].crowded = spots_[j].crowded = true;
+    const std::int32_t dx = spots_[i].middle.x - spots_[j].middle.x, dy = spots_[i].middle.y - spots_[j].middle.y;
+    for (Spot* spot : {&spots_[i], &spots_[j]})
+      spot->nearest_px2 = std::min(spot->nearest_px2, static_cast<float>(dx * dx + dy * dy));
     yield_to(spots_[i], spots_[j].middle);
     yield_to(spots_[j], spots_[i].middle);
   }

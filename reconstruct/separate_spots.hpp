@@ -14,15 +14,17 @@
 namespace rptv {
 
 struct Spot {
-  PixelIndex middle;                                      ///< of the square that tells its centre
-  std::uint64_t neighbours = 0;                           ///< bit k: pixel k of the square belongs to another spot
-  bool merged = false;                                    ///< no spot but noise in a brighter one's image
-  bool crowded = false;                                   ///< others are so near that their light falls into the square
+  PixelIndex middle;             ///< of the square that tells its centre
+  std::uint64_t neighbours = 0;  ///< bit k: pixel k of the square belongs to another spot
+  bool merged = false;           ///< no spot but noise in a brighter one's image
+  float nearest_px2 = 1e9F;      ///< squared distance of the nearest other one within crowd_reach()
   double plateau_x = 0, plateau_y = 0, plateau_rows = 0;  ///< saturated pixels; rows: 0 when there are none
 };
 
-/// Spots whose maxima are no further than this from each other, in x and in y, are crowded.
-inline std::int32_t crowd_reach(std::int32_t radius) noexcept { return 2 * radius + 5; }
+/// How far, in x and in y, a maximum may be from the one that it is noise on.
+inline std::int32_t merge_reach(std::int32_t radius) noexcept { return 2 * radius + 1; }
+/// How far others are looked for whose light may fall into a spot's square.
+inline std::int32_t crowd_reach(std::int32_t radius) noexcept { return 2 * radius + 8; }
 
 /// All memory is taken by the constructor. One thread.
 class SeparateSpots {
@@ -40,7 +42,7 @@ class SeparateSpots {
   void drop_noise(const GreyOverBackground<Pixel>& grey, std::span<const PixelIndex> maxima) noexcept;
   void share_pixels() noexcept;
 
-  const std::int32_t radius_;
+  const std::int32_t radius_, reach_;
   const float split_sigmas_;
   const GreyNoise noise_;
   std::vector<Spot> spots_;

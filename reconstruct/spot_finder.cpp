@@ -95,7 +95,7 @@ void SpotFinder::fit(std::size_t lanes) noexcept {
     fitted.variance_px2 = centres_.variance[lane];
     fitted.grey = centres_.grey[lane], fitted.area_px = static_cast<float>(lit);
     fitted.peak = centres_.peak[lane], fitted.bend = centres_.bend[lane], fitted.misfit = centres_.misfit[lane];
-    fitted.crowded = spot->crowded;
+    fitted.nearest_px2 = spot->nearest_px2;
     if (spot->plateau_rows > 0 && usable < kFewestPixels) {  // both ends of each row are known to a pixel
       fitted.x_px = spot->plateau_x, fitted.y_px = spot->plateau_y;
       fitted.variance_px2 = static_cast<float>(1 / (24 * spot->plateau_rows));
@@ -138,7 +138,7 @@ void SpotFinder::find(const ImageView& image, const DarkPixels& dark, Detections
   counts.refused_maxima += all - taken;
   out.refuse(all - taken);
   fit_all(grey, separate_.separate(grey, std::span(maxima_).first(taken)), counts);
-  if (overlaps_) overlaps_->untangle(grey, fitted_);
+  if (overlaps_) counts.too_crowded += overlaps_->untangle(grey, fitted_);
   for (const FittedSpot& spot : fitted_)
     out.push({spot.x_px, spot.y_px, std::sqrt(static_cast<double>(spot.variance_px2)), static_cast<double>(spot.grey),
               static_cast<double>(spot.area_px), 0, 0, 0});

@@ -23,15 +23,16 @@ class SpotOverlaps {
                std::size_t most_spots, InstructionSet set);
 
   /// Improves crowded spots, appends new ones up to the capacity of `spots`, and removes what turned out to be none.
+  /// Returns how many were left as they are because more than settings.max_overlapping are crowded; 0 otherwise.
   template <class Pixel>
-  void untangle(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
+  std::size_t untangle(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
 
  private:
   void expect_width(const std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
-  void sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
+  std::size_t sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
-  void fill(const GreyOverBackground<Pixel>& grey, const FittedSpot& spot, std::size_t lane) noexcept;
+  bool fill(const GreyOverBackground<Pixel>& grey, FittedSpot& spot, std::size_t lane) noexcept;
   void fit_batch(std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
   std::size_t find_hidden(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
@@ -41,11 +42,16 @@ class SpotOverlaps {
   void widen_errors(std::vector<FittedSpot>& spots) noexcept;
 
   const InstructionSet set_;
+  static constexpr std::int32_t kSearchBeyond = 2;  // px around the square of a spot in which another may hide
+
   const std::int64_t sweeps_;
+  const bool find_hidden_;
+  const std::size_t most_crowded_;
   const float split_sigmas_, faintest_;
   const GreyNoise noise_;
   SpotOptions options_;
   ModelImage model_;
+  float seen_px_ = 0;  // how far a spot's light reaches into another's square
   std::vector<float> bends_;
   std::vector<std::uint32_t> crowded_, pending_, deferred_;  // numbers of spots
   SpotBatch batch_{};

@@ -43,7 +43,7 @@ TEST(DetectorImages, of_falling_particles_are_found_where_they_are) {
   const auto folder = shared_folder("four-cameras/density_0300", "tracks.csv");
   if (!folder) GTEST_SKIP() << "no four-cameras set";
   DetectorSettings settings;
-  settings.threshold = 12, settings.electrons_per_grey = 16;
+  settings.threshold = 12, settings.electrons_per_grey = 16, settings.find_hidden = true;
   testing::SpotScore total;
   double squares = 0;
   for (int camera = 0; camera < 4; ++camera) {
@@ -63,15 +63,15 @@ TEST(DetectorImages, of_falling_particles_are_found_where_they_are) {
       const auto score = testing::score_spots(found, inside, 2);
       total.painted += score.painted, total.pairs += score.pairs;
       squares += score.rms_px * score.rms_px * static_cast<double>(score.pairs);
-      total.found += found.size() - testing::score_spots(found, all, 2).pairs;  // ghosts
+      total.found += found.size() - testing::score_spots(found, all, 3).pairs;  // ghosts
     }
   }
   const double rms_px = std::sqrt(squares / static_cast<double>(total.pairs));
   std::cout << fmt::format("four-cameras: {} particle images, recall {:.4f}, {} ghosts, rms {:.4f} px\n", total.painted,
                            total.recall(), total.found, rms_px);
-  EXPECT_GT(total.recall(), 0.97);
+  EXPECT_GT(total.recall(), 0.985);
   EXPECT_LT(static_cast<double>(total.found), 0.002 * static_cast<double>(total.pairs));
-  EXPECT_LT(rms_px, 0.12);
+  EXPECT_LT(rms_px, 0.09);
 }
 
 // Local mean within 12 pixels, as OpenPTV's high-pass filter takes away.

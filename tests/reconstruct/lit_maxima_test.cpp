@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The scan for bright maxima against a plain look at every pixel, bit for bit, with every instruction set.
+// The scan for bright maxima, and the search for near ones, against plain loops, with every instruction set.
 #include "reconstruct/lit_maxima.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <set>
+
+#include "reconstruct/near_pairs.hpp"
 #include "tests/core/instruction_sets.hpp"
 #include "tests/reconstruct/random_image.hpp"
 
@@ -61,6 +64,24 @@ RC_GTEST_PROP(LitMaxima, beyond_the_room_are_counted, ()) {
     RC_ASSERT(find_lit_maxima(image.view(), limit, maxima, set) == expected.size());
     RC_ASSERT(std::equal(maxima.begin(), maxima.end(), expected.begin()));
   }
+}
+
+// Few pixels in some rows and many in others, so that both ways to look for them are gone.
+RC_GTEST_PROP(NearPairs, are_those_of_a_plain_double_loop, ()) {
+  const auto reach = *rc::gen::inRange(0, kMostReach + 1);
+  std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
+  std::vector<PixelIndex> sorted;
+  for (std::int32_t y = 0; y < 40; ++y)
+    for (std::int32_t x = 0; x < 60; ++x)
+      if (random() % (y / 10 % 2 == 0 ? 2 : 50) == 0) sorted.push_back({x, y});
+  std::set<std::pair<std::size_t, std::size_t>> expected, pairs;
+  for (std::size_t j = 0; j < sorted.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i)
+      if (sorted[j].y - sorted[i].y <= reach && std::abs(sorted[j].x - sorted[i].x) <= reach) expected.insert({i, j});
+  std::size_t visits = 0;
+  each_near_pair(sorted, reach, [&](std::size_t i, std::size_t j) { pairs.insert({i, j}), ++visits; });
+  RC_ASSERT(pairs == expected);
+  RC_ASSERT(visits == expected.size());
 }
 
 }  // namespace
