@@ -8,15 +8,14 @@
 
 namespace rptv {
 
-DarkPixels make_dark(const LightFieldSettings& settings, const ImageShape& shape, const ImageView& background) {
+DarkPixels make_dark(const DarkSettings& settings, const ImageShape& shape, const ImageView& background) {
   std::vector<float> mean(shape.pixels(), static_cast<float>(settings.background));
   if (background.data == nullptr) return {std::move(mean), DarkLimit(shape, settings.background, settings.threshold)};
   if (background.shape.width_px != shape.width_px || background.shape.height_px != shape.height_px)
-    throw Error(
-        ExitCode::configuration,
-        fmt::format("{}: the background is {}x{} px but the calibration says {}x{}; take it with the same camera",
-                    settings.background_image, background.shape.width_px, background.shape.height_px, shape.width_px,
-                    shape.height_px));
+    throw Error(ExitCode::configuration,
+                fmt::format("{}: the background is {}x{} px but the camera has {}x{}; take it with the same camera",
+                            settings.background_image, background.shape.width_px, background.shape.height_px,
+                            shape.width_px, shape.height_px));
   for (std::size_t i = 0; i < mean.size(); ++i)
     mean[i] =
         static_cast<float>(background.shape.bytes_per_pixel == 1 ? background.as_u8()[i] : background.as_u16()[i]);
