@@ -34,6 +34,8 @@ SimulatedRunReport write_simulated_run(const ScenarioSettings& scenario, const S
 
 /// A configuration for `rapidptv run` in the folder of a simulated run; paths count from that folder.
 std::string rig_toml(const ScenarioSettings& scenario);
+/// The same for a run of a rig of so many views.
+std::string views_rig_toml(const ScenarioSettings& scenario, std::size_t views);
 
 /// Names of the files in the folder.
 struct SimulatedRunFiles {

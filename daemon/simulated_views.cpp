@@ -102,7 +102,10 @@ SimulatedRunReport write_simulated_views(const ScenarioSettings& wanted, const S
   const ScenarioSettings scenario = fitted_to_rig(wanted, rig);
   make_folders(options.folder, rig.cameras.size());
   write_rig(rig, options.folder / "cameras.toml");
-  write_text(options.folder / "scenario.toml", scenario_toml(wanted));
+  ScenarioSettings kept = wanted;
+  if (kept.views.rig.ends_with(".toml")) kept.views.rig = "cameras.toml";  // beside it, wherever the folder goes
+  write_text(options.folder / "scenario.toml", scenario_toml(kept));
+  write_text(options.folder / "rig.toml", views_rig_toml(scenario, rig.cameras.size()));
   write_times(scenario, options.folder / "frames" / "frames.csv");
   const Tracers tracers(scenario);
   std::vector<ViewRenderer> renderers;

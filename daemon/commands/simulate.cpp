@@ -61,16 +61,15 @@ ExitCode simulate(const SimulateOptions& options) {
         report.rays, report.frames_elapsed_s, report.elapsed_s);
   else
     std::cerr << fmt::format(
-        "{} frames in {:.1f} s ({:.1f} MB), {:.1f} images/s, {:.1f} million rays/s; per frame {:.0f} particles, {:.0f} "
-        "of "
-        "them fully in view\n"
-        "next: {}\n",
+        "{} frames in {:.1f} s ({:.1f} MB), {:.1f} frames/s{}; per frame {:.0f} particles, {:.0f} of them fully in "
+        "view\n"
+        "next: rapidptv run --config {}/rig.toml --tracks tracks.csv\n",
         report.frames, report.elapsed_s, 1e-6 * static_cast<double>(report.bytes),
         static_cast<double>(report.frames) / report.frames_elapsed_s,
-        1e-6 * static_cast<double>(report.rays) / report.frames_elapsed_s, report.particles_per_frame,
-        report.in_view_per_frame,
-        views ? options.out + "/cameras.toml is the rig, " + options.out + "/frames are its images"
-              : "rapidptv run --config " + options.out + "/rig.toml --tracks tracks.csv");
+        views
+            ? ""
+            : fmt::format(", {:.1f} million rays/s", 1e-6 * static_cast<double>(report.rays) / report.frames_elapsed_s),
+        report.particles_per_frame, report.in_view_per_frame, options.out);
   return ExitCode::ok;
 }
 

@@ -8,6 +8,7 @@
 
 #include "calibration/rig.hpp"
 #include "replay/image_file.hpp"
+#include "simulation/challenge_rig.hpp"
 #include "simulation/lpt_points.hpp"
 #include "simulation/truth.hpp"
 #include "tests/daemon/run_binary.hpp"
@@ -51,6 +52,8 @@ TEST(SimulateCommand, a_rigs_run_has_images_of_every_camera_and_the_truth_in_bot
                                   "frames=2", "-o", folder, "--json"});
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_THAT(said.out, HasSubstr("\"frames\":2"));
+  const Said checked = run_rapidptv({"check", "--config", folder + "/rig.toml"});
+  EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
   const Rig rig = read_rig(folder + "/cameras.toml");
   ASSERT_EQ(rig.cameras.size(), 4U);
   for (const char* image : {"cam0/frame_00000.png", "cam3/frame_00001.png"})
@@ -65,6 +68,26 @@ TEST(SimulateCommand, a_rigs_run_has_images_of_every_camera_and_the_truth_in_bot
   EXPECT_EQ(rows, points.size());
   EXPECT_GT(in_view, rows / 2);
   EXPECT_LT(in_view, 2 * rows) << "the box is as deep as ever: its corners are off a tenth of the sensor";
+}
+
+TEST(SimulateCommand, a_rigs_run_comes_again_from_its_own_folder) {
+  const Place place;
+  const std::string first = place.file("first").string(), second = place.file("second").string();
+  write_rig(challenge_rig(0.05), place.file("rig.toml"));
+  const Said said = run_rapidptv({"simulate", "--set", "views.rig=" + place.file("rig.toml").string(), "--set",
+                                  "flow.kind=random", "--set", "frames=1", "--set", "camera.bits=10", "-o", first});
+  ASSERT_EQ(said.code, 0) << said.err;
+  std::filesystem::remove(place.file("rig.toml"));
+  const Said again = run_rapidptv({"simulate", "--scenario", first + "/scenario.toml", "--threads", "1", "-o", second});
+  ASSERT_EQ(again.code, 0) << again.err;
+  const auto bytes = [](const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  for (const char* file : {"/frames/cam3/frame_00000.png", "/truth.csv", "/truth/points_00000.txt", "/rig.toml"}) {
+    EXPECT_GT(bytes(first + file).size(), 100U) << file;
+    EXPECT_EQ(bytes(first + file), bytes(second + file)) << file;
+  }
 }
 
 TEST(SimulateCommand, refuses_a_name_that_is_not_there_and_lists_those_that_are) {
