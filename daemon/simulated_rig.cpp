@@ -83,9 +83,10 @@ std::string views_rig_toml(const ScenarioSettings& scenario, std::size_t views) 
       "[intake]\npolicy = \"lossless\"\n\n"
       "[reconstruction]\nkind = \"multi_view\"\n\n"
       "[multi_view]\nrig = \"cameras.toml\"\nvolume_x_mm = [-{0:.3f}, {0:.3f}]\nvolume_y_mm = [-{1:.3f}, {1:.3f}]\n"
-      "volume_z_mm = [-{2:.3f}, {2:.3f}]\nmin_views = {3}\nmax_particles = {4}\nmax_matches = {5}\n\n"
+      "volume_z_mm = [-{2:.3f}, {2:.3f}]\nmin_views = {3}\ntolerance_px = 0.5\nmax_particles = {4}\nmax_matches = "
+      "{5}\n\n"
       "[multi_view.detector]\nbackground = {6:.3f}\nthreshold = {7:.2f}\nnoise_grey = {8:.4f}\n"
-      "electrons_per_grey = {9:.4f}\nmax_detections = {4}\n\n"
+      "electrons_per_grey = {9:.4f}\nmax_detections = {4}\nfind_hidden = true\nmax_overlapping = {4}\n\n"
       "[linker]\nsearch_range_mm = {10:.3f}\npredict = \"velocity\"\nmemory = 1\nmax_particles = {4}\nmax_tracks = "
       "{4}\n",
       reach_mm(box.volume_x_mm), reach_mm(box.volume_y_mm), reach_mm(box.volume_z_mm), views >= 3 ? 3 : 2, capacity,
