@@ -15,8 +15,7 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
       "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
       "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml\n"
-      "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml
-      "
+      "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml\n"
       "  rapidptv calibrate import openptv test_cavity -o rig.toml");
   add_calibrate_cameras(*command, chosen);
   add_calibrate_lenslets(*command, chosen);
