@@ -112,6 +112,14 @@ CameraPair pair_of(const BoardSet& set, std::span<const SingleCamera> cameras, s
 
 }  // namespace
 
+std::optional<double> transfer_px(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraPair& pair,
+                                  std::size_t view) {
+  const auto &first = cameras[pair.first].target[view], &second = cameras[pair.second].target[view];
+  const BoardView* image = image_of(set, pair.second, view);
+  if (!first || !second || image == nullptr) return std::nullopt;
+  return rms_px(cameras[pair.second].lens, after(pair.second_from_first, *first), set.target_mm, image->seen);
+}
+
 CameraPose after(const CameraPose& a, const CameraPose& b) {
   return {a.rotation * b.rotation, a.rotation * b.translation_mm + a.translation_mm};
 }
