@@ -28,11 +28,9 @@ void Board::fields(FieldList& list) {
   list.integer("rows", rows, 0, 1000, "the same along y");
   list.number("square_mm", square_mm, 0, 1e5, "side of a square, or distance of neighbouring dots");
   list.number("marker_mm", marker_mm, 0, 1e5, "charuco: side of a marker");
-  list.choice("dictionary", dictionary,
-              {"DICT_4X4_50", "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000", "DICT_5X5_50", "DICT_5X5_100",
-               "DICT_5X5_250", "DICT_5X5_1000", "DICT_6X6_50", "DICT_6X6_100", "DICT_6X6_250", "DICT_6X6_1000",
-               "DICT_7X7_50", "DICT_7X7_100", "DICT_7X7_250", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL"},
-              "charuco: the set of markers");
+  std::vector<std::string> sets;
+  for (const auto& set : kMarkerSets) sets.emplace_back(set.name);
+  list.choice("dictionary", dictionary, sets, "charuco: the set of markers");
   list.text("points_file", points_file, "points: text file with `id x y z` (mm) in each line");
 }
 
@@ -47,6 +45,12 @@ std::vector<Point3> Board::points() const {
       all.push_back({square_mm * static_cast<double>(column + first), square_mm * static_cast<double>(row + first), 0});
     }
   return all;
+}
+
+std::size_t marker_set_of(const std::string& dictionary) {
+  const auto* at = std::find_if(std::begin(kMarkerSets), std::end(kMarkerSets),
+                                [&](const MarkerSet& set) { return dictionary == set.name; });
+  return static_cast<std::size_t>(at - std::begin(kMarkerSets));
 }
 
 bool is_flat(const std::vector<Point3>& points) {
@@ -77,6 +81,9 @@ void Board::validate(const std::string& origin) const {
   if (!(square_mm > 0)) refuse("square_mm is missing; measure the printed board and give it");
   if (kind == "charuco" && !(marker_mm > 0 && marker_mm < square_mm))
     refuse(fmt::format("marker_mm = {} is not between 0 and square_mm = {}; measure both", marker_mm, square_mm));
+  if (kind == "charuco" && columns * rows / 2 > kMarkerSets[marker_set_of(dictionary)].markers)
+    refuse(fmt::format("{} x {} squares hold {} markers and {} has {}; name the set that was printed", columns, rows,
+                       columns * rows / 2, dictionary, kMarkerSets[marker_set_of(dictionary)].markers));
   if (kind == "dots" && columns == rows)
     refuse(
         fmt::format("columns and rows are both {}, so a turn by a right angle cannot be seen; cover one row or "

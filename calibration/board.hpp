@@ -33,6 +33,21 @@ struct Board {
   void validate(const std::string& origin) const;
 };
 
+/// A set of markers that OpenCV has.
+struct MarkerSet {
+  const char* name;
+  std::int64_t markers;
+};
+/// In OpenCV's order: the place is its number of the set.
+inline constexpr MarkerSet kMarkerSets[] = {
+    {"DICT_4X4_50", 50},          {"DICT_4X4_100", 100}, {"DICT_4X4_250", 250}, {"DICT_4X4_1000", 1000},
+    {"DICT_5X5_50", 50},          {"DICT_5X5_100", 100}, {"DICT_5X5_250", 250}, {"DICT_5X5_1000", 1000},
+    {"DICT_6X6_50", 50},          {"DICT_6X6_100", 100}, {"DICT_6X6_250", 250}, {"DICT_6X6_1000", 1000},
+    {"DICT_7X7_50", 50},          {"DICT_7X7_100", 100}, {"DICT_7X7_250", 250}, {"DICT_7X7_1000", 1000},
+    {"DICT_ARUCO_ORIGINAL", 1024}};
+/// Place of a board's set in kMarkerSets.
+std::size_t marker_set_of(const std::string& dictionary);
+
 /// All points in one plane, so that one view cannot tell distance from focal length.
 bool is_flat(const std::vector<Point3>& points);
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "calibration/bundle_projection.hpp"
+#include "calibration/median.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -186,9 +187,7 @@ class BundleProblem {
 double sigma_of(const std::vector<PointResidual>& residuals, double freedom) {
   std::vector<double> distances;
   for (const auto& r : residuals) distances.push_back(distance(r));
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle / kMedianToSigma / std::sqrt(freedom);
+  return median(distances) / kMedianToSigma / std::sqrt(freedom);
 }
 
 }  // namespace

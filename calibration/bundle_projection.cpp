@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "calibration/space_algebra.hpp"
+#include "calibration/eigen_space.hpp"
 #include "core/error.hpp"
 
 namespace rptv {
@@ -14,9 +14,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
-
-Vector vector_of(const Point3& p) { return {p[0], p[1], p[2]}; }
-Point3 point_of(const Vector& v) { return {v[0], v[1], v[2]}; }
 
 /// [v]x: crossed(a)·b = a x b.
 Matrix crossed(const Vector& v) {
@@ -62,8 +59,7 @@ bool see_through(const RefractiveStack& stack, const std::array<Vector, 2>& turn
   const auto seen = path.derivative_to(point_of(point));
   if (!seen) return false;
   sight.direction = vector_of(seen->direction);
-  for (int k = 0; k < 9; ++k)
-    sight.by_point(k / 3, k % 3) = seen->derivative[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)];
+  sight.by_point = matrix_of(seen->derivative);
   const Vector n = vector_of(stack.normal);
   if (n.dot(point) > stack.interfaces.front().position_mm) return true;  // on the camera's side: no refraction
   const double tangent = (sight.direction + n).norm(), sine = tangent / std::sqrt(1 + tangent * tangent);
@@ -84,10 +80,7 @@ LensParameters parameters_of(const CameraIntrinsics& l) {
 }
 
 PoseParameters parameters_of(const CameraPose& pose) {
-  Matrix rotation;
-  for (int k = 0; k < 9; ++k)
-    rotation(k / 3, k % 3) = pose.rotation[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)];
-  const Eigen::AngleAxisd turn(rotation);
+  const Eigen::AngleAxisd turn(matrix_of(pose.rotation));
   const Vector r = turn.angle() * turn.axis();
   return {r[0], r[1], r[2], pose.translation_mm[0], pose.translation_mm[1], pose.translation_mm[2]};
 }
@@ -103,12 +96,7 @@ CameraIntrinsics lens_of(std::span<const double, 9> p, const CameraIntrinsics& l
 BrownDistortion distortion_of(std::span<const double, 9> lens) { return {lens[4], lens[5], lens[8], lens[6], lens[7]}; }
 
 CameraPose pose_of(std::span<const double, 6> p) {
-  const Matrix rotation = rotation_of({p[0], p[1], p[2]});
-  CameraPose pose;
-  for (int k = 0; k < 9; ++k)
-    pose.rotation[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)] = rotation(k / 3, k % 3);
-  pose.translation_mm = {p[3], p[4], p[5]};
-  return pose;
+  return {matrix3_of(rotation_of({p[0], p[1], p[2]})), {p[3], p[4], p[5]}};
 }
 
 RefractiveStack moved(const RefractiveStack& stack, std::span<const double, 3> move) {

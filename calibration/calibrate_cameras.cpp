@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/median.hpp"
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
 
@@ -42,14 +43,12 @@ std::vector<std::optional<CameraPose>> target_poses(const BoardSet& set, const s
 
 std::vector<DroppedView> worst_images(const BoardSet& set, const BundleResult& result) {
   const std::vector<double> rms = image_rms_px(set, result);
-  std::vector<double> sorted = rms;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double middle = median(rms);
   std::vector<DroppedView> worst;
   for (std::size_t i = 0; i < rms.size(); ++i)
-    if (rms[i] > std::max(kWorseThanMedian * *middle, kNeverDropped_px))
+    if (rms[i] > std::max(kWorseThanMedian * middle, kNeverDropped_px))
       worst.push_back({set.images[i].camera, set.images[i].view,
-                       fmt::format("rms {:.3f} px in the bundle, the median is {:.3f} px", rms[i], *middle)});
+                       fmt::format("rms {:.3f} px in the bundle, the median is {:.3f} px", rms[i], middle)});
   return worst;
 }
 

@@ -11,6 +11,8 @@
 #include <numbers>
 
 #include "calibration/board.hpp"
+#include "calibration/eigen_space.hpp"
+#include "calibration/median.hpp"
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
 
@@ -20,26 +22,16 @@ namespace {
 
 constexpr std::size_t kLeastSharedViews = 3;  // one view of a flat target leaves its tilt to the noise
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The rotation nearest to the sum of the given ones, and the mean of the translations.
 CameraPose mean_of(std::span<const CameraPose> poses) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   CameraPose mean;
   for (const auto& pose : poses) {
-    for (int k = 0; k < 9; ++k)
-      sum(k / 3, k % 3) += pose.rotation[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)];
+    sum += matrix_of(pose.rotation);
     mean.translation_mm = mean.translation_mm + (1.0 / static_cast<double>(poses.size())) * pose.translation_mm;
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  for (int k = 0; k < 9; ++k)
-    mean.rotation[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)] = rotation(k / 3, k % 3);
+  mean.rotation = matrix3_of(svd.matrixU() * svd.matrixV().transpose());
   return mean;
 }
 
@@ -111,6 +103,14 @@ CameraPair pair_of(const BoardSet& set, std::span<const SingleCamera> cameras, s
 }
 
 }  // namespace
+
+std::optional<double> transfer_px(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraPair& pair,
+                                  std::size_t view) {
+  const auto &first = cameras[pair.first].target[view], &second = cameras[pair.second].target[view];
+  const BoardView* image = image_of(set, pair.second, view);
+  if (!first || !second || image == nullptr) return std::nullopt;
+  return rms_px(cameras[pair.second].lens, after(pair.second_from_first, *first), set.target_mm, image->seen);
+}
 
 CameraPose after(const CameraPose& a, const CameraPose& b) {
   return {a.rotation * b.rotation, a.rotation * b.translation_mm + a.translation_mm};

@@ -41,9 +41,14 @@ struct CameraGraph {
 /// pose of the target is transferred to the other; views that `cameras` dropped are not used.
 CameraGraph link_cameras(const BoardSet& set, std::span<const SingleCamera> cameras, double agree_px);
 
+/// How far (px, rms) the second camera of a pair sees the target in a view from where the first one's pose of it puts
+/// it; none where one of them has no pose of it.
+std::optional<double> transfer_px(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraPair& pair,
+                                  std::size_t view);
+
 /// Throws Error(bad_data) naming cameras and views: two cameras with one camera's images, images of two cameras
-/// exchanged in a view (all other views agree once they are changed back), pairs that agree in no way, a camera that
-/// shares views with fewer than two others (of more than two).
+/// exchanged in some views (which agree with the others once they are changed back), pairs that agree in no way, a
+/// camera that shares views with fewer than two others (of more than two).
 void check_graph(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraGraph& graph);
 
 /// Poses of all cameras in the first one's frame, along the tree of pairs with the least error (Prim 1957). The graph

@@ -71,7 +71,7 @@ std::string camera_text(const CameraCalibration& c, std::size_t k) {
       c.used.cameras[k].name, f.rms_px, f.points, f.images, 100 * f.coverage,
       f.coverage < kThinCoverage ? "; hold the target where it was not yet, towards the borders" : "",
       with_error(lens.fx_px, sigma, k, 0), with_error(lens.fy_px, sigma, k, 1), with_error(lens.cx_px, sigma, k, 2),
-      with_error(lens.cy_px, sigma, k, 3), centre[0], centre[1], centre[2]);
+      with_error(lens.cy_px, sigma, k, 3), centre[0] + 0.0, centre[1] + 0.0, centre[2] + 0.0);  // no -0.00
 }
 
 }  // namespace
@@ -79,7 +79,8 @@ std::string camera_text(const CameraCalibration& c, std::size_t k) {
 std::string to_text(const CameraCalibration& c) {
   const auto& r = c.result;
   std::string text = fmt::format(
-      "reprojection      rms {:.4f} px over {} points; standard error of a coordinate {:.4f} px; {} points beyond 5\n",
+      "reprojection      rms {:.4f} px over {} points; standard error of a coordinate {:.4f} px, {} of the points "
+      "beyond 5 of them\n",
       r.rms_px, r.residuals.size(), r.sigma_px, r.outliers);
   for (std::size_t k = 0; k < c.used.cameras.size(); ++k) text += camera_text(c, k);
   for (const auto& pair : c.graph.pairs)

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Markers and a first guess of the corners by OpenCV; then each corner in a window of its own.
+// Markers and a first guess of the corners by OpenCV; then a fit of each corner to the grey values round it.
 #include "calibration/charuco.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/imgproc.hpp>
@@ -18,14 +17,6 @@ namespace {
 
 constexpr int kMarkerMargin_px = 3;
 constexpr double kSmallestRadius_px = 4, kLargestRadius_px = 14;  // less is noise, more is distortion
-
-int dictionary_of(const std::string& name) {
-  constexpr std::array<const char*, 17> kNames{
-      "DICT_4X4_50",  "DICT_4X4_100",  "DICT_4X4_250", "DICT_4X4_1000", "DICT_5X5_50",        "DICT_5X5_100",
-      "DICT_5X5_250", "DICT_5X5_1000", "DICT_6X6_50",  "DICT_6X6_100",  "DICT_6X6_250",       "DICT_6X6_1000",
-      "DICT_7X7_50",  "DICT_7X7_100",  "DICT_7X7_250", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL"};  // as OpenCV counts
-  return static_cast<int>(std::find(kNames.begin(), kNames.end(), name) - kNames.begin());
-}
 
 using Quad = std::vector<cv::Point2f>;
 
@@ -65,7 +56,7 @@ std::optional<SeenPoint> refined(const GreyImage& image, const std::vector<std::
 
 std::vector<SeenPoint> find_charuco(const GreyImage& image, const Board& board) {
   try {
-    const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_of(board.dictionary));
+    const auto dictionary = cv::aruco::getPredefinedDictionary(static_cast<int>(marker_set_of(board.dictionary)));
     const auto pattern = cv::aruco::CharucoBoard::create(static_cast<int>(board.columns), static_cast<int>(board.rows),
                                                          static_cast<float>(board.square_mm),
                                                          static_cast<float>(board.marker_mm), dictionary);

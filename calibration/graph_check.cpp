@@ -38,22 +38,41 @@ struct Exchanged {
   }
 };
 
-std::size_t contradictions(const CameraGraph& graph, std::size_t view) {
-  return static_cast<std::size_t>(std::count_if(graph.pairs.begin(), graph.pairs.end(), [&](const CameraPair& p) {
+bool contradicts(const CameraGraph& graph, std::size_t view) {
+  return std::any_of(graph.pairs.begin(), graph.pairs.end(), [&](const CameraPair& p) {
     return std::find(p.contradicting.begin(), p.contradicting.end(), view) != p.contradicting.end();
-  }));
+  });
 }
 
-/// The pair whose exchange leaves `view` without contradictions, if there is one.
-std::optional<std::pair<std::size_t, std::size_t>> exchanged_pair(const BoardSet& set,
-                                                                  std::span<const SingleCamera> cameras,
-                                                                  const CameraGraph& graph, std::size_t view) {
+using Pair = std::pair<std::size_t, std::size_t>;
+
+/// The pair whose exchange makes `view` agree with what the others say of all pairs, if there is one.
+std::optional<Pair> exchanged_pair(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraGraph& graph,
+                                   std::size_t view) {
   for (const auto& pair : graph.pairs) {
     const Exchanged other(set, cameras, pair.first, pair.second, view);
-    if (contradictions(link_cameras(other.set, other.cameras, graph.agree_px), view) == 0)
-      return {{pair.first, pair.second}};
+    if (std::all_of(graph.pairs.begin(), graph.pairs.end(), [&](const CameraPair& p) {
+          return transfer_px(other.set, other.cameras, p, view).value_or(0) <= graph.agree_px;
+        }))
+      return Pair{pair.first, pair.second};
   }
   return std::nullopt;
+}
+
+void check_exchanged(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraGraph& graph) {
+  std::optional<Pair> swapped;
+  std::vector<std::size_t> views;
+  for (std::size_t v = 0; v < set.views.size(); ++v) {
+    if (!contradicts(graph, v)) continue;
+    const auto pair = exchanged_pair(set, cameras, graph, v);
+    if (!pair || (swapped && *swapped != *pair)) continue;
+    swapped = pair, views.push_back(v);
+  }
+  if (swapped)
+    refuse(
+        fmt::format("cameras {} and {} are swapped in {}: with the images of the two exchanged there, they "
+                    "agree with the others; rename those files",
+                    set.cameras[swapped->first].name, set.cameras[swapped->second].name, names_of(set, views)));
 }
 
 void check_same_place(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraGraph& graph) {
@@ -74,14 +93,7 @@ void check_same_place(const BoardSet& set, std::span<const SingleCamera> cameras
 
 void check_graph(const BoardSet& set, std::span<const SingleCamera> cameras, const CameraGraph& graph) {
   check_same_place(set, cameras, graph);
-  for (std::size_t v = 0; v < set.views.size(); ++v) {
-    if (contradictions(graph, v) == 0) continue;
-    if (const auto pair = exchanged_pair(set, cameras, graph, v))
-      refuse(
-          fmt::format("cameras {} and {} are swapped in {}: with the images of the two exchanged it agrees with the "
-                      "other views; rename those files",
-                      set.cameras[pair->first].name, set.cameras[pair->second].name, names_of(set, {v})));
-  }
+  check_exchanged(set, cameras, graph);
   for (const auto& pair : graph.pairs)
     if (!pair.contradicting.empty())
       refuse(fmt::format(

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "calibration/median.hpp"
+
 namespace rptv {
 
 namespace {
@@ -14,12 +16,6 @@ namespace {
 constexpr int kPlain = 4, kBent = 20;  // offset, pitch·(cos, sin); and 2 linear, 6 quadratic, 8 cubic terms
 constexpr double kTukey = 4.685;       // 95 % efficient for normal errors
 constexpr double kToSigma = 1.4826;
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Tukey's weight and loss of a residual in scatters.
 double weight_of(double r) noexcept {

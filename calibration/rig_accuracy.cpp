@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "calibration/eigen_space.hpp"
+#include "calibration/median.hpp"
 #include "calibration/space_algebra.hpp"
 
 namespace rptv {
@@ -20,8 +22,6 @@ using Matrix = Eigen::Matrix3d;
 constexpr int kGrid = 11;
 constexpr int kMostSteps = 20;
 
-Vector vector_of(const Point3& p) { return {p[0], p[1], p[2]}; }
-
 std::optional<Point3> nearest_to_rays(std::span<const Sighting> sightings) {
   Matrix sum = Matrix::Zero();
   Vector right = Vector::Zero();
@@ -33,8 +33,7 @@ std::optional<Point3> nearest_to_rays(std::span<const Sighting> sightings) {
     sum += across, right += across * vector_of(ray.origin_mm);
   }
   if (!(sum.determinant() > 1e-9)) return std::nullopt;
-  const Vector p = sum.inverse() * right;
-  return Point3{p[0], p[1], p[2]};
+  return point_of(sum.inverse() * right);
 }
 
 /// Adds one camera's share of JᵀJ (1/mm²) and of Jᵀ·(seen - projected).
@@ -48,12 +47,6 @@ bool add_sighting(const Sighting& s, const Point3& point, Matrix& square, Vector
     gradient += (s.pixel[axis] - (*at)[axis]) * row;
   }
   return true;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -75,7 +68,7 @@ std::optional<Point3> triangulate(std::span<const Sighting> sightings) {
       if (!add_sighting(s, *point, square, gradient)) return std::nullopt;
     const Vector change = square.inverse() * gradient;
     if (!change.allFinite()) return std::nullopt;
-    *point = *point + Point3{change[0], change[1], change[2]};
+    *point = *point + point_of(change);
     if (change.norm() < 1e-9) return point;
   }
   return std::nullopt;

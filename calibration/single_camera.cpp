@@ -11,6 +11,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calibration/board.hpp"
+#include "calibration/median.hpp"
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
 
@@ -133,6 +134,19 @@ struct Fit {
   }
 };
 
+/// Leaves out views that fit several times worse than the median; false when there is none.
+bool drop_worst(Fit& fit, std::size_t camera, std::vector<DroppedView>& dropped) {
+  const double middle = median({fit.view_rms.begin<double>(), fit.view_rms.end<double>()});
+  const std::size_t before = fit.views.size();
+  for (std::size_t k = before; k-- > 0;) {
+    const double rms = fit.view_rms.at<double>(static_cast<int>(k));
+    if (rms <= std::max(kWorseThanMedian * middle, kNeverDropped_px)) continue;
+    dropped.push_back({camera, fit.views[k], fmt::format("rms {:.3f} px, the median is {:.3f} px", rms, middle)});
+    fit.leave_out(k);
+  }
+  return fit.views.size() < before;
+}
+
 }  // namespace
 
 double rms_px(const CameraIntrinsics& lens, const CameraPose& pose, const std::vector<Point3>& target_mm,
@@ -190,19 +204,7 @@ SingleCamera fit_single_camera(const BoardSet& set, std::size_t camera, const Si
   try {
     fit.solve(images, flat, options.fit_k3);
     for (int round = 0; options.drop_outliers && !options.behind_glass && round < 3; ++round) {
-      std::vector<double> sorted(fit.view_rms.begin<double>(), fit.view_rms.end<double>());
-      std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-      const double most = std::max(kWorseThanMedian * sorted[sorted.size() / 2], kNeverDropped_px);
-      const std::size_t before = fit.views.size();
-      for (std::size_t k = before; k-- > 0;) {
-        const double rms = fit.view_rms.at<double>(static_cast<int>(k));
-        if (rms <= most) continue;
-        result.dropped.push_back(
-            {camera, fit.views[k],
-             fmt::format("rms {:.3f} px, the median is {:.3f} px", rms, sorted[sorted.size() / 2])});
-        fit.leave_out(k);
-      }
-      if (fit.views.size() == before) break;
+      if (!drop_worst(fit, camera, result.dropped)) break;
       check_count();
       fit.solve(images, flat, options.fit_k3);
     }

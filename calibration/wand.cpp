@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/median.hpp"
 #include "calibration/rig_accuracy.hpp"
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
@@ -82,13 +83,12 @@ WandCalibration calibrate_with_wand(const Rig& start, const BoardSet& seen, doub
   }
   std::vector<double> lengths;
   for (const auto& rod : options.rods) lengths.push_back(length_of(bundle.targets, rod));
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  if (std::abs(*middle / length_mm - 1) > kMostLengthError)
+  const double middle = median(lengths);
+  if (std::abs(middle / length_mm - 1) > kMostLengthError)
     refuse(
         fmt::format("with the rig as it is the rod is {:.2f} mm long and {:.6g} were given; check the length, the "
                     "names of the cameras and which end is which",
-                    *middle, length_mm));
+                    middle, length_mm));
   wand.before_rms_mm = rms_error_mm(bundle.targets, options.rods);
   wand.result = adjust_bundle(ends, bundle, options);
   const auto models = models_of(wand.result.bundle);

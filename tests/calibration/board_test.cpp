@@ -37,6 +37,8 @@ TEST_F(BoardFile, names_what_cannot_be_built) {
               HasSubstr("rows = 2"));
   EXPECT_THAT(refusal("kind = \"charuco\"\ncolumns = 7\nrows = 9\nsquare_mm = 20\nmarker_mm = 25\n"),
               HasSubstr("marker_mm = 25"));
+  EXPECT_THAT(refusal("kind = \"charuco\"\ncolumns = 20\nrows = 20\nsquare_mm = 20\nmarker_mm = 15\n"),
+              HasSubstr("200 markers and DICT_5X5_100 has 100"));
   EXPECT_THAT(refusal("kind = \"dots\"\ncolumns = 7\nrows = 7\nsquare_mm = 20\n"), HasSubstr("right angle"));
   EXPECT_THAT(refusal("kind = \"dots\"\ncolumns = 7\nrows = 8\n"), HasSubstr("square_mm"));
   EXPECT_THAT(refusal("kind = \"points\"\n"), HasSubstr("points_file"));

@@ -106,7 +106,7 @@ std::string why_not(const BoardSet& set) {
 TEST(CalibrateCameras, names_the_cameras_whose_images_are_swapped_in_a_view) {
   BoardRig rig(small_board().points());
   std::swap(rig.image(1, 5).seen, rig.image(2, 5).seen);
-  EXPECT_THAT(why_not(rig.set), HasSubstr("cameras cam1 and cam2 are swapped in view 5"));
+  EXPECT_THAT(why_not(rig.set), HasSubstr("cameras cam1 and cam2 are swapped in view 5:"));
 }
 
 TEST(CalibrateCameras, names_the_camera_whose_images_another_one_has) {
