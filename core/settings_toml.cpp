@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 // TOML into settings fields; the only translation unit that sees toml++.
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 #include <utility>
 
 // toml++ 3.3 asserts (or, in clang's release builds, assumes) that a key begins with a key's character and then reports
@@ -20,12 +16,11 @@
 #include "core/quote.hpp"
 #include "core/settings.hpp"
 #include "core/settings_check.hpp"
+#include "core/text_file.hpp"
 #include "core/toml_precheck.hpp"
 
 namespace rptv {
 namespace {
-
-constexpr std::uintmax_t kLargestFileBytes = std::uintmax_t{64} << 20;
 
 /// One read of one text: where it came from, where it goes, and what was found so far. Fields change only at the end.
 class TomlReading {
@@ -181,27 +176,7 @@ void read_toml_text(std::string_view text, const std::string& origin, std::strin
 }
 
 void read_toml_file(const std::filesystem::path& file, std::string_view kind, std::int64_t schema, FieldList& fields) {
-  const std::string next = "; give the path of a " + std::string(kind) + " file (TOML)";
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error))
-    throw Error(ExitCode::no_input, file.string() + ": is a folder" + next);
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    const int reason = errno;
-    if (reason == EACCES) throw Error(ExitCode::permission, file.string() + ": may not be read; check its permissions");
-    throw Error(ExitCode::no_input, file.string() + ": " + std::generic_category().message(reason) + next);
-  }
-  std::string text;
-  while (stream && text.size() <= kLargestFileBytes) {
-    const std::size_t had = text.size();
-    text.resize(had + 64 * 1024);
-    stream.read(text.data() + had, 64 * 1024);
-    text.resize(had + static_cast<std::size_t>(stream.gcount()));
-  }
-  if (stream.bad()) throw Error(ExitCode::io, file.string() + ": cannot be read" + next);
-  if (text.size() > kLargestFileBytes)
-    throw Error(ExitCode::configuration, file.string() + ": is larger than 64 MiB" + next);
+  const std::string text = read_text_file(file, "give the path of a " + std::string(kind) + " file (TOML)");
   read_toml_text(text, file.string(), kind, schema, fields);
 }
 

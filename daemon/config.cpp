@@ -43,6 +43,13 @@ IntakeOptions IntakeSettings::options() const {
   return options;
 }
 
+void ReconstructionSettings::fields(FieldList& list) {
+  list.choice(
+      "kind", kind, {"light_field", "multi_view"},
+      "'light_field': one camera behind a microlens array; 'multi_view': 2 to 16 cameras of a rig; see the section "
+      "of that name");
+}
+
 void OutputSettings::fields(FieldList& list) {
   list.text("tracks", tracks, "CSV file that tracks are written to; '-' is standard output; empty: none");
   list.text("points", points, "CSV file that particles are written to; '-' is standard output; empty: none");
@@ -55,21 +62,33 @@ void Config::fields(FieldList& list) {
   list.section("v4l2", v4l2);
   list.section("intake", intake);
   list.section("sync", sync);
+  list.section("reconstruction", reconstruction);
   list.section("light_field", light_field);
+  list.section("multi_view", multi_view);
   list.section("linker", linker);
   list.section("publisher", publisher);
   list.section("output", output);
 }
 
+std::size_t Config::max_particles() const {
+  return static_cast<std::size_t>(reconstruction.is_multi_view() ? multi_view.max_particles
+                                                                 : light_field.max_particles);
+}
+
+const std::string& Config::calibration_file() const {
+  return reconstruction.is_multi_view() ? multi_view.rig : light_field.calibration;
+}
+
 std::string Config::calibration_text() const {
-  const std::string& file = light_field.calibration;
+  const std::string& file = calibration_file();
   if (file.empty()) return {};
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   const int reason = errno;
   if (!stream)
     throw Error(reason == EACCES ? ExitCode::permission : ExitCode::no_input,
-                file + ": " + std::generic_category().message(reason) + "; mend light_field.calibration");
+                file + ": " + std::generic_category().message(reason) + "; mend " +
+                    (reconstruction.is_multi_view() ? "multi_view.rig" : "light_field.calibration"));
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -78,9 +97,14 @@ namespace {
 /// Paths in a file count from the file's own folder, wherever the daemon is started.
 void resolve_paths(Config& config, const fs::path& origin) {
   const fs::path folder = fs::absolute(origin).parent_path();
-  for (std::string* path : {&config.replay.path, &config.light_field.calibration, &config.light_field.background_image,
-                            &config.publisher.curve_secret_key_file, &config.output.tracks, &config.output.points})
-    if (!path->empty() && *path != "-") *path = (folder / *path).lexically_normal().string();
+  const auto resolve = [&](std::string& path) {
+    if (!path.empty() && path != "-") path = (folder / path).lexically_normal().string();
+  };
+  for (std::string* path :
+       {&config.replay.path, &config.light_field.calibration, &config.light_field.background_image,
+        &config.multi_view.rig, &config.publisher.curve_secret_key_file, &config.output.tracks, &config.output.points})
+    resolve(*path);
+  for (std::string& path : config.multi_view.detector.background_images) resolve(path);
 }
 
 struct JsonValue {

@@ -14,6 +14,7 @@
 #include "core/settings.hpp"
 #include "daemon/publisher.hpp"
 #include "reconstruct/light_field_settings.hpp"
+#include "reconstruct/multi_view_settings.hpp"
 #include "replay/replay_settings.hpp"
 #include "tracking/linker_settings.hpp"
 
@@ -38,6 +39,13 @@ struct IntakeSettings {
   IntakeOptions options() const;
 };
 
+/// Which instrument the images are of; each kind has a section of its own name.
+struct ReconstructionSettings {
+  std::string kind = "light_field";
+  bool is_multi_view() const { return kind == "multi_view"; }
+  void fields(FieldList& list);
+};
+
 /// Files that a run writes beside publishing.
 struct OutputSettings {
   std::string tracks, points;
@@ -53,13 +61,18 @@ struct Config {
   V4l2Settings v4l2;
   IntakeSettings intake;
   SyncSettings sync;
+  ReconstructionSettings reconstruction;
   LightFieldSettings light_field;
+  MultiViewSettings multi_view;
   LinkerSettings linker;
   PublisherSettings publisher;
   OutputSettings output;
 
   void fields(FieldList& list);
-  /// The calibration file as it is; empty when none is named. Throws Error(no_input, permission).
+  /// Of the reconstruction that is chosen: room for particles, and the path of its calibration or rig.
+  std::size_t max_particles() const;
+  const std::string& calibration_file() const;
+  /// The calibration or rig file as it is; empty when none is named. Throws Error(no_input, permission).
   std::string calibration_text() const;
 };
 

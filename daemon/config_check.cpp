@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "calibration/light_field_calibration.hpp"
+#include "calibration/rig.hpp"
 #include "core/json.hpp"
 #include "core/losses.hpp"
 #include "daemon/config.hpp"
@@ -36,7 +37,7 @@ class Checks {
     check("source", config_.has_value(), [&] { return source(); });
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
       make_reconstructor(*config_, source_->cameras());
-      return fmt::format("room for {} particles a frame", config_->light_field.max_particles);
+      return fmt::format("room for {} particles a frame", config_->max_particles());
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });
     check("output", config_.has_value(), [&] { return output(); });
@@ -63,14 +64,30 @@ class Checks {
   }
 
   std::string calibration() {
-    const std::string& file = config_->light_field.calibration;
+    const std::string& file = config_->calibration_file();
+    const bool multi_view = config_->reconstruction.is_multi_view();
     if (file.empty())
-      throw Error(ExitCode::configuration, "'light_field.calibration' is empty; name the calibration file");
+      throw Error(ExitCode::configuration, multi_view
+                                               ? "'multi_view.rig' is empty; name the rig file"
+                                               : "'light_field.calibration' is empty; name the calibration file");
+    std::string found = multi_view ? rig(file) : light_field(file);
+    calibration_ok_ = true;
+    return found;
+  }
+
+  std::string light_field(const std::string& file) {
     const LightFieldCalibration camera = read_light_field_calibration(file);
     for (const auto& line : camera.warnings()) warn("calibration", line);
-    calibration_ok_ = true;
     return fmt::format("{}: {} x {} px, magnification {:.4g}", file, camera.sensor.width_px, camera.sensor.height_px,
                        camera.magnification());
+  }
+
+  static std::string rig(const std::string& file) {
+    std::string found = file + ":";
+    for (const RigCamera& camera : read_rig(file).cameras)
+      found += fmt::format(" {} {} x {} px", camera.name, camera.model.intrinsics().width_px,
+                           camera.model.intrinsics().height_px);
+    return found;
   }
 
   std::string source() {

@@ -36,11 +36,9 @@ double bytes_on_the_wire(const Config& config, const ImageShape& shape) {
 
 double bytes_written_per_frame(const Config& config) {
   double bytes = 0;
-  if (is_file(config.output.points))
-    bytes += kPointCells * kBytesPerCell * static_cast<double>(config.light_field.max_particles);
+  if (is_file(config.output.points)) bytes += kPointCells * kBytesPerCell * static_cast<double>(config.max_particles());
   const double track_cells = kTrackCells + (config.linker.filters() ? kEstimateCells : 0);
-  if (is_file(config.output.tracks))
-    bytes += track_cells * kBytesPerCell * static_cast<double>(config.light_field.max_particles);
+  if (is_file(config.output.tracks)) bytes += track_cells * kBytesPerCell * static_cast<double>(config.max_particles());
   return bytes;
 }
 

@@ -35,7 +35,7 @@ Session::Session(const Config& config, std::unique_ptr<Source> source, std::uniq
   alarm_ = std::make_unique<SilenceAlarm>(camera_names_, std::max(limit_ns, 3 * source->nominal_period_ns()));
   PipelineOptions options;
   options.intake = make_intake_options(config, *source);
-  options.max_particles = static_cast<std::size_t>(config.light_field.max_particles);
+  options.max_particles = config.max_particles();
   options.results_in_flight = static_cast<std::size_t>(config.publisher.queue_depth) + 24;
   pipeline_ = std::make_unique<Pipeline>(std::move(source), std::move(reconstructor), config.linker, options);
   publisher_ = std::make_unique<Publisher>(config.publisher,

@@ -6,18 +6,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
-#include <fstream>
 #include <future>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "calibration/light_field_calibration.hpp"
 #include "core/clock.hpp"
-#include "core/csv.hpp"
-#include "core/error.hpp"
 #include "daemon/progress.hpp"
+#include "daemon/simulated_files.hpp"
 #include "daemon/truth_writer.hpp"
 #include "replay/image_file.hpp"
 #include "simulation/render_light_field.hpp"
@@ -43,29 +38,6 @@ fs::path SimulatedRunFiles::frame(std::uint64_t index) const { return frames / f
 
 namespace {
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw Error(
-        error == std::errc::permission_denied ? ExitCode::permission : ExitCode::io,
-        fmt::format("{}: cannot create the folder ({}); choose another with --out", folder.string(), error.message()));
-}
-
-/// Frames of an earlier, longer run would be replayed behind these.
-void remove_frames(const fs::path& frames) {
-  for (const auto& entry : fs::directory_iterator(frames)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("frame_") && name.ends_with(".png")) fs::remove(entry.path());
-  }
-}
-
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << text;
-  if (!out.flush()) throw Error(ExitCode::io, file.string() + ": cannot write; check the disk and the permissions");
-}
-
 class Frames {
  public:
   Frames(const ScenarioSettings& scenario, const SimulatedRunFiles& files)
@@ -74,10 +46,9 @@ class Frames {
   /// Throws the first error of any thread.
   void write(unsigned threads) {
     const LightFieldRenderer first(scenario_);
-    std::vector<std::thread> workers;
-    for (unsigned i = 0; i < threads; ++i) workers.emplace_back([this, first] { work(first); });
-    for (auto& worker : workers) worker.join();
-    if (error_) std::rethrow_exception(error_);
+    on_frames(count(), threads,
+              [this, renderer = first, pixels = std::vector<std::byte>(first.shape().bytes())](
+                  std::uint64_t frame) mutable { write_frame(renderer, frame, pixels); });
     truth_.close();
   }
 
@@ -92,21 +63,14 @@ class Frames {
  private:
   std::uint64_t count() const noexcept { return static_cast<std::uint64_t>(scenario_.frames); }
 
-  void work(LightFieldRenderer renderer) try {
-    std::vector<std::byte> pixels(renderer.shape().bytes());
-    for (std::uint64_t frame = next_++; frame < count() && !stopped_; frame = next_++) {
-      const auto tracers = tracers_.lit(frame);
-      renderer.render(tracers, frame, pixels);
-      truth_.deliver(frame, truth_records(renderer, tracers, frame, tracers_.time_s(frame)));
-      write_png(files_.frame(frame), {pixels.data(), renderer.shape()}, renderer.bits());
-      bytes_ += fs::file_size(files_.frame(frame));
-      rays_ += tracers.size() * renderer.rays();
-      progress_.advance();
-    }
-  } catch (...) {
-    const std::lock_guard lock(failing_);
-    if (!error_) error_ = std::current_exception();
-    stopped_ = true;
+  void write_frame(LightFieldRenderer& renderer, std::uint64_t frame, std::span<std::byte> pixels) {
+    const auto tracers = tracers_.lit(frame);
+    renderer.render(tracers, frame, pixels);
+    truth_.deliver(frame, truth_records(renderer, tracers, frame, tracers_.time_s(frame)));
+    write_png(files_.frame(frame), {pixels.data(), renderer.shape()}, renderer.bits());
+    bytes_ += fs::file_size(files_.frame(frame));
+    rays_ += tracers.size() * renderer.rays();
+    progress_.advance();
   }
 
   const ScenarioSettings& scenario_;
@@ -114,18 +78,8 @@ class Frames {
   const Tracers tracers_;
   TruthWriter truth_;
   Progress progress_;
-  std::atomic<std::uint64_t> next_{0}, bytes_{0}, rays_{0};
-  std::atomic<bool> stopped_{false};
-  std::mutex failing_;
-  std::exception_ptr error_;
+  std::atomic<std::uint64_t> bytes_{0}, rays_{0};
 };
-
-void write_times(const ScenarioSettings& scenario, const SimulatedRunFiles& files) {
-  CsvWriter times(files.frame_times, "frame,t");
-  for (std::uint64_t frame = 0; frame < static_cast<std::uint64_t>(scenario.frames); ++frame)
-    times.index(frame).number(static_cast<double>(frame) / scenario.rate_hz).end_row();
-  times.close();
-}
 
 void write_white(const ScenarioSettings& scenario, const fs::path& file) {
   constexpr double kPeak = 0.7;  // of full scale
@@ -150,12 +104,6 @@ void write_still_images(const ScenarioSettings& scenario, const SimulatedRunFile
   write_png(files.dark, view, static_cast<std::uint32_t>(scenario.camera.bits));
 }
 
-std::string toml_of(ScenarioSettings scenario) {
-  FieldList list;
-  scenario.fields(list);
-  return to_toml(list, kScenarioSchema);
-}
-
 }  // namespace
 
 SimulatedRunReport write_simulated_run(const ScenarioSettings& wanted, const SimulatedRunOptions& options) {
@@ -169,15 +117,15 @@ SimulatedRunReport write_simulated_run(const ScenarioSettings& wanted, const Sim
   remove_frames(files.frames);
   SimulatedRunReport report;
   report.frames = static_cast<std::uint64_t>(scenario.frames);
-  write_text(files.scenario, toml_of(scenario));
+  write_text(files.scenario, scenario_toml(scenario));
   write_light_field_calibration(optics.calibration(), files.calibration);
   write_text(files.rig, rig_toml(scenario));
-  write_times(scenario, files);
+  write_times(scenario, files.frame_times);
   write_volume_truth(files.volume_truth, scenario, optics);
   write_still_images(scenario, files);
   const std::int64_t frames_ns = host_now_ns();
   Frames frames(scenario, files);
-  frames.write(options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()));
+  frames.write(options.threads);
   frames.report(report);
   report.frames_elapsed_s = 1e-9 * static_cast<double>(host_now_ns() - frames_ns);
   report.elapsed_s = 1e-9 * static_cast<double>(host_now_ns() - start_ns);

@@ -11,6 +11,7 @@
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/light_field.hpp"
+#include "reconstruct/multi_view.hpp"
 #include "replay/image_file.hpp"
 #include "replay/replay_source.hpp"
 
@@ -51,10 +52,35 @@ std::string sync_warning(const Config& config, const Source& source) {
   return config.source.is_live() ? config.sync.warning(source.cameras().size()) : std::string();
 }
 
-std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {
+namespace {
+
+/// An image that a setting names, decoded; no data where it names none.
+class BackgroundImage {
+ public:
+  BackgroundImage(const std::string& file, const ImageShape& shape) {
+    if (file.empty()) return;
+    const auto reader = open_image(file);
+    view_.shape = reader->header(0).shape;
+    if (view_.shape != shape)
+      throw Error(ExitCode::configuration, file +
+                                               ": has another size or depth than the images; record it with the same "
+                                               "camera settings");
+    pixels_.resize(view_.shape.bytes());
+    reader->decode(0, pixels_);
+    view_.data = pixels_.data();
+  }
+  const ImageView& view() const { return view_; }
+
+ private:
+  std::vector<std::byte> pixels_;
+  ImageView view_;
+};
+
+std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std::vector<CameraInfo>& cameras) {
   if (cameras.size() != 1)
-    throw Error(ExitCode::configuration, "a light field has one camera and the source has " +
-                                             std::to_string(cameras.size()) + "; give one camera's folder as its path");
+    throw Error(ExitCode::configuration,
+                "a light field has one camera and the source has " + std::to_string(cameras.size()) +
+                    "; give one camera's folder as its path, or set reconstruction.kind = \"multi_view\"");
   const LightFieldSettings& settings = config.light_field;
   if (settings.calibration.empty())
     throw Error(ExitCode::configuration,
@@ -67,20 +93,33 @@ std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const st
                                              std::to_string(calibration.sensor.height_px) + " px and the images have " +
                                              std::to_string(shape.width_px) + " x " + std::to_string(shape.height_px) +
                                              "; use the calibration of this camera and region of interest");
-  std::vector<std::byte> pixels;
-  ImageView background;
-  if (!settings.background_image.empty()) {
-    const auto reader = open_image(settings.background_image);
-    background.shape = reader->header(0).shape;
-    if (background.shape != shape)
-      throw Error(ExitCode::configuration, settings.background_image +
-                                               ": has another size or depth than the images; record it with the same "
-                                               "camera settings");
-    pixels.resize(background.shape.bytes());
-    reader->decode(0, pixels);
-    background.data = pixels.data();
+  const BackgroundImage background(settings.background_image, shape);
+  return std::make_unique<LightField>(settings, calibration, background.view());
+}
+
+std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::vector<CameraInfo>& cameras) {
+  const MultiViewSettings& settings = config.multi_view;
+  if (settings.rig.empty())
+    throw Error(ExitCode::configuration,
+                "multi_view.rig is empty; name the rig file in the configuration or with --set");
+  const std::vector<std::string>& files = settings.detector.background_images;
+  if (!files.empty() && files.size() != cameras.size())
+    throw Error(ExitCode::configuration, "multi_view.detector.background_images names " + std::to_string(files.size()) +
+                                             " images and the source has " + std::to_string(cameras.size()) +
+                                             " cameras; name one for each, or none");
+  std::vector<BackgroundImage> backgrounds;
+  std::vector<MultiViewCamera> views;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    backgrounds.emplace_back(files.empty() ? std::string() : files[c], cameras[c].shape);
+    views.push_back({cameras[c].name, cameras[c].shape, backgrounds.back().view()});
   }
-  return std::make_unique<LightField>(settings, calibration, background);
+  return std::make_unique<MultiView>(settings, read_rig(settings.rig), views);
+}
+
+}  // namespace
+
+std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {
+  return config.reconstruction.is_multi_view() ? make_multi_view(config, cameras) : make_light_field(config, cameras);
 }
 
 }  // namespace rptv

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simulation/duct_flow.hpp"
+#include "simulation/wave_flow.hpp"
 
 namespace rptv {
 
@@ -38,6 +39,8 @@ double OscillatingWallFlow::fastest_mm_s() const noexcept {
 std::unique_ptr<const Flow> make_flow(const ScenarioSettings& scenario) {
   if (scenario.flow.kind == "duct") return std::make_unique<DuctFlow>(scenario.duct);
   if (scenario.flow.kind == "oscillating_wall") return std::make_unique<OscillatingWallFlow>(scenario.flow);
+  if (scenario.flow.kind == "waves")
+    return std::make_unique<WaveFlow>(scenario.waves, scenario.flow, static_cast<std::uint64_t>(scenario.seed));
   return std::make_unique<StillFlow>();
 }
 

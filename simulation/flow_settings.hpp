@@ -12,8 +12,9 @@ namespace rptv {
 /// What moves the particles. The lengths and rates here are those of the wall at y = wall_y_mm that oscillates along x;
 /// fluid above it (y > wall_y_mm): Stokes' second problem plus a uniform drift.
 struct FlowSettings {
-  std::string kind = "oscillating_wall";  ///< or "duct", "layers" (still), "random" (new in every frame), "table"
-  std::string table;                      ///< points or tracks table of positions, frame by frame
+  std::string kind =
+      "oscillating_wall";  ///< or "duct", "waves", "layers" (still), "random" (new in every frame), "table"
+  std::string table;       ///< points or tracks table of positions, frame by frame
   double wall_y_mm = -3.5;
   double wall_amplitude_mm = 0.3;  ///< displacement amplitude A of the wall; velocity amplitude U = A w
   double frequency_hz = 5.0;
@@ -27,6 +28,14 @@ struct FlowSettings {
 struct DuctSettings {
   double width_mm = 0.2, height_mm = 0.2;
   double flow_rate_ul_min = 0.85;  ///< positive: towards +x
+  void fields(FieldList& list);
+};
+
+/// Waves that swing particles about places that drift: a flow in three dimensions with exact paths (wave_flow.hpp).
+struct WavesSettings {
+  double rms_mm = 1.5;      ///< of the swing, per coordinate
+  double length_mm = 25.0;  ///< mean wavelength
+  double rate_hz = 15.0;    ///< mean frequency
   void fields(FieldList& list);
 };
 

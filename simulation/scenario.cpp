@@ -18,11 +18,13 @@ void ScenarioSettings::fields(FieldList& list) {
   list.integer("rays_per_particle", rays_per_particle, 16, 1000000, "quadrature rays per particle image");
   list.section("flow", flow);
   list.section("duct", duct);
+  list.section("waves", waves);
   list.section("layers", layers);
   list.section("seeding", seeding);
   list.section("main_lens", main_lens);
   list.section("lenslets", lenslets);
   list.section("camera", camera);
+  list.section("views", views);
 }
 
 ScenarioSettings read_scenario(const std::filesystem::path& file) {
@@ -35,6 +37,7 @@ ScenarioSettings read_scenario(const std::filesystem::path& file) {
   };
   if (scenario.main_lens.prescription.ends_with(".toml")) beside(scenario.main_lens.prescription);
   if (!scenario.flow.table.empty()) beside(scenario.flow.table);
+  if (scenario.views.rig.ends_with(".toml")) beside(scenario.views.rig);
   check_scenario(scenario, file.string());
   return scenario;
 }
@@ -113,7 +116,7 @@ double half_depth_mm(const ScenarioSettings& scenario) {
 
 void check_scenario(const ScenarioSettings& scenario, const std::string& origin) {
   const Check check(scenario, origin);
-  check.lens();
+  if (scenario.views.rig.empty()) check.lens();
   check.flow();
 }
 

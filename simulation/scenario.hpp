@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a simulated experiment consists of: flow, particles, main lens, microlens array, camera; one struct with
-// defaults.
+// What a simulated experiment consists of: flow, particles, main lens, microlens array, camera, or a rig of cameras;
+// one struct with defaults.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include "core/settings.hpp"
 #include "simulation/camera_settings.hpp"
 #include "simulation/flow_settings.hpp"
+#include "simulation/views_settings.hpp"
 
 namespace rptv {
 
@@ -20,11 +21,13 @@ struct ScenarioSettings {
   std::int64_t rays_per_particle = 768;  ///< quadrature points for the expected image of one particle
   FlowSettings flow;
   DuctSettings duct;
+  WavesSettings waves;
   LayerSettings layers;
   SeedingSettings seeding;
   MainLensSettings main_lens;
   LensletArraySettings lenslets;
   CameraSettings camera;
+  ViewsSettings views;
   void fields(FieldList& list);
 };
 

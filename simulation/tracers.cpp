@@ -49,7 +49,8 @@ void Tracers::seed_box() {
   const Vector3 drift = flow_->largest_drift();
   const double depth = 2 * half_depth_, radius = box.particle_radius_um * 1e-3;
   const double top = duct ? 0.5 * std::min(box.volume_y_mm, scenario_.duct.width_mm) : 0.5 * box.volume_y_mm;
-  const double bottom = duct ? -top : std::max(-top, scenario_.flow.wall_y_mm + radius);
+  const bool wall = scenario_.flow.kind == "oscillating_wall";
+  const double bottom = wall ? std::max(-top, scenario_.flow.wall_y_mm + radius) : -top;
   const Extent x(box.volume_x_mm, drift.x * duration), z(depth, drift.z * duration);
   const double larger = x.length() * z.length() / (box.volume_x_mm * depth);
   const auto count = static_cast<std::size_t>(std::llround(static_cast<double>(box.particles) * larger));

@@ -46,7 +46,7 @@ BenchRun measure(const Config& config) {
   auto source = make_source(config);
   auto reconstructor = make_reconstructor(config, source->cameras());
   Linker linker(config.linker);
-  const auto max_particles = static_cast<std::size_t>(config.light_field.max_particles);
+  const std::size_t max_particles = config.max_particles();
   Result result(max_particles, linker.capacity());
   Encoder encoder(make_session_name(), max_particles, linker.capacity());
   Intake intake(source->cameras(), IntakeOptions{.policy = Lossless{8}});

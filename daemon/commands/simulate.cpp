@@ -7,8 +7,9 @@
 
 #include "core/json.hpp"
 #include "daemon/commands/command.hpp"
-#include "daemon/simulated_run.hpp"
+#include "daemon/simulated_views.hpp"
 #include "simulation/camera_report.hpp"
+#include "simulation/challenge_rig.hpp"
 #include "simulation/shipped_file.hpp"
 
 namespace rptv {
@@ -43,13 +44,15 @@ ExitCode simulate(const SimulateOptions& options) {
     std::cout << to_toml(fields, kScenarioSchema);
     return ExitCode::ok;
   }
+  const bool views = !scenario.views.rig.empty();
   if (options.describe) {
-    std::cout << describe_camera(scenario);
+    std::cout << (views ? to_toml(rig_of(scenario)) : describe_camera(scenario));
     return ExitCode::ok;
   }
   if (options.out.empty())
     throw Error(ExitCode::usage, "no folder to write to; give --out DIR (or --show the scenario)");
-  const auto report = write_simulated_run(scenario, {options.out, options.threads});
+  const SimulatedRunOptions run{options.out, options.threads};
+  const auto report = views ? write_simulated_views(scenario, run) : write_simulated_run(scenario, run);
   if (options.json)
     std::cout << fmt::format(
         R"({{"folder":{},"frames":{},"particles_per_frame":{},"in_view_per_frame":{},"bytes":{},"rays":{},"frames_elapsed_s":{},"elapsed_s":{}}})"
@@ -61,11 +64,13 @@ ExitCode simulate(const SimulateOptions& options) {
         "{} frames in {:.1f} s ({:.1f} MB), {:.1f} images/s, {:.1f} million rays/s; per frame {:.0f} particles, {:.0f} "
         "of "
         "them fully in view\n"
-        "next: rapidptv run --config {}/rig.toml --tracks tracks.csv\n",
+        "next: {}\n",
         report.frames, report.elapsed_s, 1e-6 * static_cast<double>(report.bytes),
         static_cast<double>(report.frames) / report.frames_elapsed_s,
         1e-6 * static_cast<double>(report.rays) / report.frames_elapsed_s, report.particles_per_frame,
-        report.in_view_per_frame, options.out);
+        report.in_view_per_frame,
+        views ? options.out + "/cameras.toml is the rig, " + options.out + "/frames are its images"
+              : "rapidptv run --config " + options.out + "/rig.toml --tracks tracks.csv");
   return ExitCode::ok;
 }
 
@@ -81,7 +86,8 @@ void add_simulate(CLI::App& app, Action& chosen) {
   command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
   command->add_option("--threads", options->threads, "threads that render; 0: one per processor");
   command->add_flag("--show", options->show, "print the scenario as TOML, with every setting explained, and stop");
-  command->add_flag("--describe", options->describe, "print what lens, array and camera amount to, and stop");
+  command->add_flag("--describe", options->describe,
+                    "print what lens, array and camera amount to (of several cameras: the rig), and stop");
   command->add_flag("--json", options->json, "print a summary as one JSON object");
   command->footer(
       "Examples:\n"
@@ -89,6 +95,7 @@ void add_simulate(CLI::App& app, Action& chosen) {
       "  rapidptv simulate --out run --set frames=100 --set flow.frequency_hz=10 --set seed=7\n"
       "  rapidptv simulate --scenario layers --out layers      (others: --list)\n"
       "  rapidptv simulate --scenario layers --describe\n"
+      "  rapidptv simulate --scenario lpt_challenge --out lpt --set views.per_pixel=0.025\n"
       "  rapidptv simulate --out dense --set flow.kind=random --set frames=20 --set seeding.per_lenslet=0.1\n"
       "  rapidptv simulate --show > scenario.toml && rapidptv simulate --scenario scenario.toml --out run");
   command->callback([options, &chosen] { chosen = [options] { return simulate(*options); }; });

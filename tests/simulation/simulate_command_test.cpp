@@ -6,7 +6,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "calibration/rig.hpp"
+#include "replay/image_file.hpp"
+#include "simulation/lpt_points.hpp"
+#include "simulation/truth.hpp"
 #include "tests/daemon/run_binary.hpp"
+#include "tests/proto/place.hpp"
 
 namespace rptv {
 namespace {
@@ -19,7 +24,7 @@ using ::testing::HasSubstr;
 TEST(SimulateCommand, names_installed_scenarios_and_lenses) {
   const Said scenarios = run_rapidptv({"simulate", "--list"});
   EXPECT_EQ(scenarios.code, 0);
-  EXPECT_EQ(scenarios.out, "layers\nmacro_wall\nmicrochannel\n");
+  EXPECT_EQ(scenarios.out, "layers\nlpt_challenge\nmacro_wall\nmicrochannel\n");
   const Said lenses = run_rapidptv({"info", "--lenses"});
   EXPECT_EQ(lenses.code, 0);
   EXPECT_THAT(lenses.out, AllOf(HasSubstr("US 2,673,491"), HasSubstr("US 10,571,651"), HasSubstr("EFL 50.3582 mm")));
@@ -33,10 +38,39 @@ TEST(SimulateCommand, describes_every_installed_scenario) {
   }
 }
 
+TEST(SimulateCommand, a_rig_is_described_as_the_file_that_calibrations_use) {
+  const Said said = run_rapidptv({"simulate", "--scenario", "lpt_challenge", "--describe"});
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("[camera_4]"), HasSubstr("width_px = 960")));
+}
+
+TEST(SimulateCommand, a_rigs_run_has_images_of_every_camera_and_the_truth_in_both_forms) {
+  const Place place;
+  const std::string folder = place.file("lpt").string();
+  const Said said = run_rapidptv({"simulate", "--scenario", "lpt_challenge", "--set", "views.sensor_part=0.1", "--set",
+                                  "frames=2", "-o", folder, "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("\"frames\":2"));
+  const Rig rig = read_rig(folder + "/cameras.toml");
+  ASSERT_EQ(rig.cameras.size(), 4U);
+  for (const char* image : {"cam0/frame_00000.png", "cam3/frame_00001.png"})
+    EXPECT_EQ(open_image(folder + "/frames/" + image)->header(0).shape.width_px, 192U);
+  const auto points = read_lpt_points(folder + "/truth/points_00001.txt");
+  EXPECT_NEAR(static_cast<double>(points.size()), 0.05 * 192 * 120, 150);
+  ASSERT_EQ(points.front().pixels.size(), 4U);
+  const auto seen = rig.cameras[2].model.project(points.front().position_mm);
+  EXPECT_EQ(points.front().pixels[2], *seen);
+  std::size_t rows = 0, in_view = 0;
+  for (const TruthRow& row : read_truth(folder + "/truth.csv")) rows += row.frame == 1, in_view += row.in_view;
+  EXPECT_EQ(rows, points.size());
+  EXPECT_GT(in_view, rows / 2);
+  EXPECT_LT(in_view, 2 * rows) << "the box is as deep as ever: its corners are off a tenth of the sensor";
+}
+
 TEST(SimulateCommand, refuses_a_name_that_is_not_there_and_lists_those_that_are) {
   const Said scenario = run_rapidptv({"simulate", "--scenario", "layer", "--describe"});
   EXPECT_EQ(scenario.code, 66);
-  EXPECT_THAT(scenario.err, AllOf(HasSubstr("'layer'"), HasSubstr("layers, macro_wall, microchannel")));
+  EXPECT_THAT(scenario.err, AllOf(HasSubstr("'layer'"), HasSubstr("layers, lpt_challenge, macro_wall, microchannel")));
   const Said lens = run_rapidptv({"simulate", "--describe", "--set", "main_lens.model=prescription", "--set",
                                   "main_lens.prescription=double_gaus_f2"});
   EXPECT_EQ(lens.code, 66);
