@@ -49,6 +49,7 @@ class GreyOverBackground {
   float over(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) - mean_[i & table_]; }
   /// Highest value of over(i) that is still dark.
   float dark(std::size_t i) const noexcept { return static_cast<float>(limits_[i & table_]) - mean_[i & table_]; }
+  /// Whole, and above 0 where the pixel is lit.
   float over_limit(std::size_t i) const noexcept {
     return static_cast<float>(pixels_[i]) - static_cast<float>(limits_[i & table_]);
   }
@@ -72,8 +73,7 @@ class GreyOverBackground {
   const Pixel* pixels_;
   const float* mean_;
   const std::uint16_t* limits_;
-  std::size_t
-      table_;  // bits of an index into mean_ and limits_ that count: one value stands for all where all are equal
+  std::size_t table_;  // bits of an index into mean_ and limits_ that count: none where all values are equal
   std::int32_t width_, height_;
   float saturation_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sixteen numbers at once in plain arithmetic: the compiler makes of it what the instruction set at hand has.
+// Several numbers at once in plain arithmetic: the compiler makes of it what the instruction set at hand has.
 #pragma once
 
 #include <bit>
@@ -10,28 +10,40 @@ namespace rptv {
 
 /// Element by element; every set of instructions gives the same bits (no contraction, no library function).
 /// Sources that use it are compiled with -Wno-psabi: lanes are passed to inlined functions only.
-inline constexpr std::size_t kLanes = 16;
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
-using LaneBits = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));  ///< also truth: 0 or -1
+/// As many as a register holds are quickest; GCC 12 takes wider ones apart through memory, and knows sizes that depend
+/// on an argument in a typedef only.
+template <std::size_t kCount>
+struct LaneTypes {
+  typedef float Lanes __attribute__((vector_size(kCount * sizeof(float))));
+  typedef std::int32_t Bits __attribute__((vector_size(kCount * sizeof(float))));  ///< also truth: 0 or -1
+};
 
 #define RPTV_LANES [[gnu::always_inline]] inline
 
-RPTV_LANES Lanes all_lanes(float value) noexcept { return Lanes{} + value; }
-RPTV_LANES Lanes least(Lanes a, Lanes b) noexcept { return b < a ? b : a; }
-RPTV_LANES Lanes most(Lanes a, Lanes b) noexcept { return a < b ? b : a; }
-RPTV_LANES bool any(LaneBits truth) noexcept {
+template <class Lanes>
+RPTV_LANES Lanes least(Lanes a, Lanes b) noexcept {
+  return b < a ? b : a;
+}
+template <class Lanes>
+RPTV_LANES Lanes most(Lanes a, Lanes b) noexcept {
+  return a < b ? b : a;
+}
+template <class Bits>
+RPTV_LANES bool any(Bits truth) noexcept {
   std::int32_t together = 0;
-  for (std::size_t i = 0; i < kLanes; ++i) together |= truth[i];
+  for (std::size_t i = 0; i < sizeof truth / sizeof together; ++i) together |= truth[i];
   return together != 0;
 }
 
 /// Natural logarithm of positive, normal numbers, within 1e-7 of it or of 1: twice the area tangent's series of
 /// (m - 1)/(m + 1) for the mantissa m between √½ and √2.
+template <class Lanes>
 RPTV_LANES Lanes log_of(Lanes x) noexcept {
+  using Bits = decltype(x < x);
   constexpr std::int32_t kRootHalf = std::bit_cast<std::int32_t>(0.70710678F);
   constexpr float kLn2 = 0.69314718F;
-  const LaneBits bits = reinterpret_cast<LaneBits>(x);
-  const LaneBits exponent = (bits - kRootHalf) >> 23;
+  const Bits bits = reinterpret_cast<Bits>(x);
+  const Bits exponent = (bits - kRootHalf) >> 23;
   const Lanes m = reinterpret_cast<Lanes>(bits - (exponent << 23));
   const Lanes s = (m - 1.0F) / (m + 1.0F), s2 = s * s;
   const Lanes series = ((s2 * (1 / 7.0F) + 1 / 5.0F) * s2 + 1 / 3.0F) * s2;
@@ -39,15 +51,17 @@ RPTV_LANES Lanes log_of(Lanes x) noexcept {
 }
 
 /// Exponential, within 3e-7 of itself, of numbers clamped to ±80.
+template <class Lanes>
 RPTV_LANES Lanes exp_of(Lanes x) noexcept {
+  using Bits = decltype(x < x);
   constexpr float kPerLn2 = 1.44269504F, kLn2High = 0.693359375F, kLn2Low = -2.12194440e-4F;
   constexpr float kRound = 12582912.0F;  // 1.5·2²³: adding it leaves an integer in the low bits
-  x = least(most(x, all_lanes(-80)), all_lanes(80));
+  x = least(most(x, Lanes{} - 80.0F), Lanes{} + 80.0F);
   const Lanes shifted = x * kPerLn2 + kRound, n = shifted - kRound;
   const Lanes r = (x - n * kLn2High) - n * kLn2Low;
   Lanes power = r * (1 / 720.0F) + 1 / 120.0F;
   for (const float factor : {1 / 24.0F, 1 / 6.0F, 1 / 2.0F, 1.0F, 1.0F}) power = power * r + factor;
-  return reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(power) + (__builtin_convertvector(n, LaneBits) << 23));
+  return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(power) + (__builtin_convertvector(n, Bits) << 23));
 }
 
 }  // namespace rptv

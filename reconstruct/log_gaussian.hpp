@@ -7,11 +7,13 @@
 namespace rptv {
 
 // ln I = a + b·x + c·y + q·(x² + y²): a Gaussian centred at -b/2q, -c/2q with σ² = -1/2q.
+template <class Lanes>
 struct LogGaussian {
   Lanes a, b, c, q;
 };
 
 // Weighted normal equations of the four and their LDLᵀ factors.
+template <class Lanes>
 struct NormalEquations {
   Lanes n{}, x{}, y{}, xx{}, xy{}, yy{}, xr{}, yr{}, rr{};
   Lanes t1{}, tx{}, ty{}, tr{};
@@ -24,7 +26,7 @@ struct NormalEquations {
     xr += wx * r, yr += wy * r, rr += weight * (r * r);
     t1 += weighted_log, tx += weighted_log * dx, ty += weighted_log * dy, tr += weighted_log * r;
   }
-  RPTV_LANES LogGaussian solve() noexcept {
+  RPTV_LANES LogGaussian<Lanes> solve() noexcept {
     const Lanes r = xx + yy;
     l10 = x / n, l20 = y / n, l30 = r / n;
     d1 = xx - l10 * x;
@@ -35,7 +37,7 @@ struct NormalEquations {
     l32 = e32 / d2;
     d3 = rr - l30 * r - l31 * e31 - l32 * e32;
     const Lanes z1 = tx - l10 * t1, z2 = ty - l20 * t1 - l21 * z1, z3 = tr - l30 * t1 - l31 * z1 - l32 * z2;
-    LogGaussian fit;
+    LogGaussian<Lanes> fit;
     fit.q = z3 / d3;
     fit.c = z2 / d2 - l32 * fit.q;
     fit.b = z1 / d1 - l21 * fit.c - l31 * fit.q;
@@ -43,7 +45,7 @@ struct NormalEquations {
     return fit;
   }
   // With g the derivatives of -b/2q and -c/2q, gᵀN⁻¹g = |D^(-1/2) L⁻¹ g|².
-  RPTV_LANES Lanes variance(const LogGaussian& fit, Lanes at_x, Lanes at_y) const noexcept {
+  RPTV_LANES Lanes variance(const LogGaussian<Lanes>& fit, Lanes at_x, Lanes at_y) const noexcept {
     const Lanes u3 = at_x * 2.0F - l31 + l32 * l21, v3 = at_y * 2.0F - l32;
     const Lanes of_x = 1.0F / d1 + l21 * l21 / d2 + u3 * u3 / d3, of_y = 1.0F / d2 + v3 * v3 / d3;
     return (of_x + of_y) / (fit.q * fit.q * 8.0F);

@@ -91,6 +91,7 @@ RC_GTEST_PROP(Blobs, have_the_centres_of_plain_sums_bit_for_bit, ()) {
   DetectorSettings settings;
   settings.method = "blob", settings.threshold = 100, settings.threshold_sigmas = 0;
   settings.min_area_px = 1, settings.split_sigmas = 1000, settings.noise_grey = 1e4;  // nothing is split
+  settings.max_detections = settings.max_area_px = 4096;
   std::map<std::pair<double, double>, double> expected;
   for (const auto& component : plain_components(image, 100)) {
     double light = 0, x = 0, y = 0, area = 0;
@@ -179,6 +180,7 @@ RC_GTEST_PROP(Blobs, are_as_many_as_there_are_maxima_that_persist, ()) {
   DetectorSettings settings;
   settings.method = "blob", settings.threshold = limit, settings.threshold_sigmas = 0, settings.min_area_px = 1;
   settings.noise_grey = 1, settings.electrons_per_grey = 1e6;
+  settings.max_detections = settings.max_area_px = 256;
   settings.split_sigmas = *rc::gen::element(0.0, 1.0, 2.0, 3.0);
   Detector detector(settings, framed.shape);
   Detections found(4096);

@@ -20,6 +20,7 @@ DetectorSettings settings_for(const testing::Camera& camera, const std::string& 
   DetectorSettings settings;
   settings.background = camera.background, settings.noise_grey = camera.noise_grey;
   settings.electrons_per_grey = camera.electrons_per_grey, settings.method = method;
+  settings.max_detections = 4096;
   return settings;
 }
 
@@ -28,13 +29,14 @@ testing::SpotScore score_of(const DetectorSettings& settings, const testing::Cam
   Detector detector(settings, camera.shape);
   Detections found(4096);
   std::mt19937 random(7);
+  constexpr int kImages = 4;
   testing::SpotScore total;
-  for (int image = 0; image < 6; ++image) {
+  for (int image = 0; image < kImages; ++image) {
     const auto spots = testing::scatter_spots(camera.shape, 100, 12, 6, sigma_px, peak, random);
     detector.detect(SpotImage(camera, spots, random).view(), found);
     const auto score = testing::score_spots(found, spots, 1);
     total.painted += score.painted, total.found += score.found, total.pairs += score.pairs;
-    total.normalised_variance += score.normalised_variance / 6, total.rms_px += score.rms_px / 6;
+    total.normalised_variance += score.normalised_variance / kImages, total.rms_px += score.rms_px / kImages;
   }
   return total;
 }
@@ -114,12 +116,12 @@ TEST(Detector, gives_the_same_bits_with_every_instruction_set) {
   std::mt19937 random(11);
   for (const std::uint32_t bytes_per_pixel : {1U, 2U})
     for (const char* method : {"gaussian", "three_point", "centroid"}) {
-      const testing::Camera camera{{331, 203, bytes_per_pixel}, 10, 2, 4, 255};
-      auto spots = testing::scatter_spots(camera.shape, 1500, 0, 0, 1.2, 300, random);
+      const testing::Camera camera{{211, 203, bytes_per_pixel}, 10, 2, 4, 255};
+      auto spots = testing::scatter_spots(camera.shape, 900, 0, 0, 1.2, 300, random);
       const SpotImage image(camera, spots, random);
       Detections plain(4096), found(4096);
       Detector(settings_for(camera, method), camera.shape, {}, 0, InstructionSet::portable).detect(image.view(), plain);
-      ASSERT_GT(plain.size(), 500U);
+      ASSERT_GT(plain.size(), 300U);
       for (const auto set : testing::sets_here()) {
         Detector(settings_for(camera, method), camera.shape, {}, 0, set).detect(image.view(), found);
         EXPECT_EQ(found.x_px, plain.x_px) << name_of(set);

@@ -12,23 +12,23 @@ namespace {
 using testing::PaintedSpot;
 using testing::SpotImage;
 
-constexpr ImageShape kShape{400, 400, 1};
+constexpr ImageShape kShape{400, 400, 1}, kDense{256, 256, 1};
 
 DetectorSettings settings_with(std::int64_t sweeps) {
   const testing::Camera camera;
   DetectorSettings settings;
   settings.background = camera.background, settings.noise_grey = camera.noise_grey, settings.threshold = 12;
   settings.electrons_per_grey = camera.electrons_per_grey, settings.overlap_sweeps = sweeps;
-  settings.find_hidden = true;
+  settings.find_hidden = true, settings.max_detections = 4096;
   return settings;
 }
 
-testing::SpotScore score_of(const DetectorSettings& settings, const std::vector<PaintedSpot>& spots,
-                            std::uint32_t seed) {
+testing::SpotScore score_of(const DetectorSettings& settings, const std::vector<PaintedSpot>& spots, std::uint32_t seed,
+                            const ImageShape& shape = kShape) {
   testing::Camera camera;
-  camera.shape = kShape;
+  camera.shape = shape;
   std::mt19937 random(seed);
-  Detector detector(settings, kShape);
+  Detector detector(settings, shape);
   Detections found(16384);
   detector.detect(SpotImage(camera, spots, random).view(), found);
   return testing::score_spots(found, spots, 1);
@@ -69,30 +69,31 @@ TEST(SpotOverlaps, let_those_be_found_that_make_no_maximum_of_their_own) {
 
 TEST(SpotOverlaps, are_untangled_in_dense_images) {
   std::mt19937 random(7);
-  const auto spots = testing::scatter_spots(kShape, 4000, 0, 4, 1, 150, random);  // 0.025 a pixel
-  const auto tangled = score_of(settings_with(0), spots, 1), untangled = score_of(settings_with(6), spots, 1);
+  const auto spots = testing::scatter_spots(kDense, 1600, 0, 4, 1, 150, random);  // 0.025 a pixel
+  const auto tangled = score_of(settings_with(0), spots, 1, kDense);
+  const auto untangled = score_of(settings_with(6), spots, 1, kDense);
   EXPECT_GT(untangled.recall(), tangled.recall() + 0.1);
-  EXPECT_GT(untangled.recall(), 0.8);
+  EXPECT_GT(untangled.recall(), 0.75);
   EXPECT_GT(untangled.precision(), 0.95);
   EXPECT_LT(untangled.rms_px, tangled.rms_px);
 }
 
 TEST(SpotOverlaps, beyond_the_limit_are_left_and_counted_and_cost_no_allocation) {
   testing::Camera camera;
-  camera.shape = kShape;
+  camera.shape = kDense;
   std::mt19937 random(9);
-  const auto spots = testing::scatter_spots(kShape, 4000, 0, 4, 1, 150, random);
+  const auto spots = testing::scatter_spots(kDense, 1600, 0, 4, 1, 150, random);
   const SpotImage image(camera, spots, random);
   auto settings = settings_with(2);
   Detections found(16384), as_without(16384);
-  Detector(settings_with(0), kShape).detect(image.view(), as_without);
+  Detector(settings_with(0), kDense).detect(image.view(), as_without);
   settings.max_overlapping = 100;
-  Detector limited(settings, kShape);
+  Detector limited(settings, kDense);
   limited.detect(image.view(), found);
-  EXPECT_GT(limited.counts().too_crowded, 1000U);
+  EXPECT_GT(limited.counts().too_crowded, 500U);
   EXPECT_EQ(found.x_px, as_without.x_px);
   settings.max_overlapping = 10000;
-  Detector detector(settings, kShape);
+  Detector detector(settings, kDense);
   AllocationCounter counter;
   detector.detect(image.view(), found);
   detector.detect(image.view(), as_without);
