@@ -22,7 +22,7 @@ constexpr double kFaintSigmas = 2;   // of a dark pixel
 constexpr std::size_t kHitsAParticle = 64;
 // A particle is as bright as the darker ones of its pixels say, which it need not share; the typical one is the median.
 constexpr float kBright = 0.3F;  // of a particle's brightest pixel: enough to tell its light
-constexpr double kAlone = 0.3, kTypical = 0.5;
+constexpr double kAlone = 0.1, kTypical = 0.5;
 
 FootprintGrid grid_of(const ShakeOptions& options) {
   FootprintGrid grid;
