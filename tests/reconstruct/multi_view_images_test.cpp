@@ -164,7 +164,7 @@ TEST(MultiViewImages, of_a_real_cavity_give_more_particles_than_openptv_at_a_low
   for (int c = 0; c < 4; ++c) backgrounds.push_back(darkest(*folder, c + 1));
   for (std::size_t c = 0; c < 4; ++c) views[c].background = backgrounds[c].view();
   MultiViewSettings settings;
-  settings.detector.threshold = 11, settings.detector.noise_grey = 2, settings.detector.threshold_sigmas = 0;
+  settings.detector.threshold = 9, settings.detector.noise_grey = 2, settings.detector.threshold_sigmas = 0;
   settings.detector.radius_px = 1, settings.detector.min_area_px = 4;
   settings.volume_x_mm = {-40, 40}, settings.volume_y_mm = {-25, 85}, settings.volume_z_mm = {-45, 45};
   settings.tolerance_px = 1.5, settings.calibration_px = 0.5;
