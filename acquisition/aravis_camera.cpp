@@ -16,7 +16,8 @@ AravisCamera::AravisCamera(const AravisSettings& settings, const std::string& na
 AravisCamera::~AravisCamera() { stop(); }
 
 CameraInfo AravisCamera::info() const {
-  return {life_->name, life_->setup.shape, life_->setup.format->significant_bits};
+  const AravisSetup& setup = life_->setup;
+  return {life_->name, setup.shape, setup.format->significant_bits, setup.bytes_behind_image};
 }
 
 std::int64_t AravisCamera::period_ns() const noexcept { return life_->setup.period_ns; }
@@ -44,6 +45,7 @@ DeviceStatus AravisCamera::status() const {
   DeviceStatus now = life_->status;
   now.link += life_->ptp;
   now.counters.push_back({"delivered", life_->buffers.delivered()});
+  now.readings = life_->chunks.latest();
   now.last_outage = life_->buffers.last_outage();
   now.counters.push_back({"outages", now.last_outage.number});
   now.counters.push_back({"outage_ms", static_cast<std::uint64_t>(life_->buffers.outage_ns() / 1'000'000)});

@@ -36,8 +36,8 @@ AravisCamera::Life::Life(const AravisSettings& s, const std::string& n, std::uin
       camera(open_camera(n)),
       setup(set_up_camera(camera.get(), n, s)),
       identity(who_answers_at(setup.address, kAnswer_ns)),
-      buffers(number, setup.shape, *setup.format, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32),
-              s.thread_priority, setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {
+      chunks(camera.get(), n, s.chunks),
+      buffers(number, setup, chunks, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32), s.thread_priority) {
   status.device = setup.device;
 }
 
@@ -74,7 +74,7 @@ void AravisCamera::Life::open_again() {
   if (identity.known()) look_for_it();
   camera = open_camera(identity.known() ? setup.address : name);
   const AravisSetup now = set_up_camera(camera.get(), name, settings);
-  if (now.shape != setup.shape)
+  if (now.shape != setup.shape || now.bytes_behind_image != setup.bytes_behind_image)
     throw Error(ExitCode::configuration, "camera " + name + " came back with another image size; restart rapidptv");
   setup = now;
   const std::lock_guard lock(mutex);
@@ -118,6 +118,7 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
     status.link = setup.text() + socket + (settings.trigger == "off" ? "" : ", trigger " + settings.trigger) +
                   (buffers.priority_refused() ? ", real-time priority refused" : "");
   }
+  chunks.ask();
   buffers.begin(stream.get(), sink, setup.period_ns);
   arv_camera_start_acquisition(camera.get(), failure.out());
   if (failure) throw Error(ExitCode::unavailable, "camera " + name + " does not start (" + failure.text() + ")");
@@ -166,6 +167,7 @@ void AravisCamera::Life::look_after_it() {
     if (!has_control()) lost = true;
     if (look % kLooksPerSecond != 0) continue;
     clear_errors(sockets);
+    chunks.ask();
     if (settings.ptp) show_ptp(read_ptp(camera.get()));
   }
 }

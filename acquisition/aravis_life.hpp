@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "acquisition/aravis_camera.hpp"
+#include "acquisition/aravis_chunks.hpp"
 #include "acquisition/aravis_ptp.hpp"
 #include "acquisition/aravis_setup.hpp"
 #include "acquisition/aravis_stream.hpp"
@@ -45,6 +46,7 @@ struct AravisCamera::Life {
   AravisSetup setup;
   GvcpIdentity identity;         ///< known for GigE Vision cameras
   std::uint64_t unanswered = 0;  ///< tries since it last answered
+  AravisChunks chunks;
   AravisStream buffers;
   std::atomic<bool> lost{false}, stopping{false};
   Wake wake;

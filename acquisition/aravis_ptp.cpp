@@ -12,7 +12,7 @@
 namespace rptv {
 namespace {
 
-constexpr std::int64_t kBetweenLooks_ns = 100'000'000;
+constexpr std::int64_t kBetweenReadings_ns = 100'000'000;
 
 struct Features {
   const char *enable, *latch, *state, *offset;
@@ -65,7 +65,7 @@ PtpState wait_for_ptp(ArvCamera* camera, const std::string& name, double patienc
                       const std::function<bool(std::int64_t)>& rest) {
   const std::int64_t deadline_ns = host_now_ns() + static_cast<std::int64_t>(patience_s * 1e9);
   PtpState now = read_ptp(camera);
-  while (!now.locked() && host_now_ns() < deadline_ns && rest(kBetweenLooks_ns)) now = read_ptp(camera);
+  while (!now.locked() && host_now_ns() < deadline_ns && rest(kBetweenReadings_ns)) now = read_ptp(camera);
   if (now.locked()) return now;
   throw Error(ExitCode::unavailable,
               "camera " + name + " has no PTP time after " + std::to_string(static_cast<int>(patience_s)) +

@@ -24,6 +24,7 @@ struct AravisSettings {
   double rate_hz = 0;
   std::string trigger = "off";
   std::int64_t action_device_key = 0, action_group_key = 0, action_group_mask = 1;
+  std::vector<std::string> chunks;
   bool ptp = false;
   double ptp_wait_s = 15;
   std::int64_t packet_size = 0;
@@ -50,6 +51,9 @@ struct AravisSettings {
                  "trigger Action1 and so on: the sender's device key");
     list.integer("action_group_key", action_group_key, 0, kWord, "group key of the action commands that trigger");
     list.integer("action_group_mask", action_group_mask, 0, kWord, "group mask: one common bit is enough");
+    list.texts(
+        "chunks", chunks,
+        "what the camera writes behind each image, its names: ExposureTime, FrameID; empty: as the camera has it");
     list.flag("ptp", ptp, "set the cameras' clocks by PTP, and wait until they are locked");
     list.number("ptp_wait_s", ptp_wait_s, 0, 600, "how long to wait for a locked clock");
     list.integer("packet_size", packet_size, 0, 65536, "GigE Vision packet, bytes with IP header; 0: negotiated");

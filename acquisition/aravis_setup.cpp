@@ -51,6 +51,13 @@ void write_action(Writer& writer, const AravisSettings& s) {
   set("ActionGroupMask", s.action_group_mask);
 }
 
+void write_chunks(Writer& writer, const std::vector<std::string>& chunks) {
+  std::string list;
+  for (const std::string& chunk : chunks) list += (list.empty() ? "" : ",") + chunk;
+  writer.write("chunks = " + list,
+               [&](ArvCamera* camera, GError** error) { arv_camera_set_chunks(camera, list.c_str(), error); });
+}
+
 bool is_action(const std::string& trigger) {
   return trigger.rfind("Action", 0) == 0 && trigger.find_first_of("0123456789") != std::string::npos;
 }
@@ -74,6 +81,7 @@ void write_settings(Writer& writer, const AravisSettings& s) {
     });
   if (s.gain >= 0)
     writer.write("gain", [&](ArvCamera* camera, GError** error) { arv_camera_set_gain(camera, s.gain, error); });
+  if (!s.chunks.empty()) write_chunks(writer, s.chunks);
   if (is_action(s.trigger)) write_action(writer, s);
   if (s.trigger != "off") {
     const std::string source = s.trigger == "software" ? "Software" : s.trigger;
@@ -116,6 +124,7 @@ std::string AravisSetup::text() const {
   std::string all = std::string(format->name) + " " + std::to_string(shape.width_px) + " x " +
                     std::to_string(shape.height_px) + " px";
   if (exposure_us > 0) all += ", exposure " + std::to_string(std::llround(exposure_us)) + " us";
+  if (bytes_behind_image > 0) all += ", " + std::to_string(bytes_behind_image) + " bytes of chunks";
   if (packet_size > 0) all += ", packets of " + std::to_string(packet_size) + " bytes";
   return all;
 }
@@ -173,10 +182,12 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
   const std::size_t expected_bytes =
       setup.format == nullptr ? 0
                               : setup.format->payload_bytes(std::size_t{setup.shape.width_px} * setup.shape.height_px);
-  if (setup.payload_bytes != expected_bytes)
+  const bool has_chunks = arv_camera_get_chunk_mode(camera, ignored.out());
+  if (setup.payload_bytes < expected_bytes || (setup.payload_bytes > expected_bytes && !has_chunks))
     throw Error(ExitCode::configuration, "camera " + name + " sends " + std::to_string(setup.payload_bytes) +
                                              " bytes per image where " + std::to_string(expected_bytes) +
-                                             " are expected; switch its chunk data and line padding off");
+                                             " are expected; switch its line padding off");
+  setup.bytes_behind_image = setup.payload_bytes - expected_bytes;
   setup.exposure_us = arv_camera_get_exposure_time(camera, ignored.out());
   const double rate_hz = arv_camera_get_frame_rate(camera, ignored.out());
   if (!ignored && settings.trigger == "off" && std::isfinite(rate_hz) && rate_hz > 0)

@@ -18,10 +18,11 @@ struct AravisSetup {
   std::string address;  ///< of a GigE Vision camera, dotted; else empty
   const PixelFormat* format = nullptr;
   ImageShape shape;
-  std::size_t payload_bytes = 0;
-  std::int64_t period_ns = 0;     ///< 0: unknown or triggered
-  std::uint32_t packet_size = 0;  ///< 0: not GigE Vision
-  double exposure_us = 0;         ///< 0: the camera does not say
+  std::size_t payload_bytes = 0;       ///< of one image as it is sent
+  std::size_t bytes_behind_image = 0;  ///< chunk data among them
+  std::int64_t period_ns = 0;          ///< 0: unknown or triggered
+  std::uint32_t packet_size = 0;       ///< 0: not GigE Vision
+  double exposure_us = 0;              ///< 0: the camera does not say
   bool wide_ids = false;
   std::string text() const;  ///< "Mono8 1920 x 1200 px, exposure 500 us, packets of 8228 bytes"
 };

@@ -27,16 +27,18 @@ ArvBuffer* another_reference(const BufferHandle& buffer) noexcept { return ARV_B
 
 }  // namespace
 
-AravisStream::AravisStream(std::uint32_t camera, ImageShape shape, const PixelFormat& format, std::size_t slots,
-                           std::size_t lent, std::int64_t priority, FrameCounter::Width width)
+AravisStream::AravisStream(std::uint32_t camera, const AravisSetup& setup, AravisChunks& chunks, std::size_t slots,
+                           std::size_t lent, std::int64_t priority)
     : camera_(camera),
-      shape_(shape),
-      format_(format),
-      payload_bytes_(format.payload_bytes(std::size_t{shape.width_px} * shape.height_px)),
+      shape_(setup.shape),
+      format_(*setup.format),
+      chunks_(chunks),
+      payload_bytes_(setup.payload_bytes),
+      smallest_bytes_(setup.payload_bytes - setup.bytes_behind_image),
       lent_(lent),
       priority_(priority),
       slots_(slots),
-      counter_(width) {}
+      counter_(setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {}
 
 const char* AravisStream::status_name(std::size_t status) noexcept {
   static constexpr std::array<const char*, kStatuses> kNames{
@@ -50,7 +52,7 @@ void AravisStream::make_buffers() {
   std::vector<FrameLease> all;
   while (all.size() < slots_.size() && all.emplace_back(sink_->claim(camera_))) {
     Slot& slot = slots_.at(all.back().slot());
-    slot.buffer.reset(arv_buffer_new(shape_.bytes(), all.back().get()));
+    slot.buffer.reset(arv_buffer_new(payload_bytes_, all.back().get()));
   }
   buffers_made_ = true;
 }
@@ -165,12 +167,14 @@ void AravisStream::take(ArvStream* stream, ArvBuffer* buffer) noexcept {
   const void* data = arv_buffer_get_data(buffer, &bytes);
   if (status == ARV_BUFFER_STATUS_SUCCESS && arv_buffer_get_frame_id(buffer) == kUnfilled)
     return refuse(buffer, ARV_BUFFER_STATUS_CLEARED);
-  if (status != ARV_BUFFER_STATUS_SUCCESS || bytes != payload_bytes_) return refuse(buffer, status);
+  if (status != ARV_BUFFER_STATUS_SUCCESS || bytes < smallest_bytes_ || bytes > payload_bytes_)
+    return refuse(buffer, status);
   if (returns_) end_outage(buffer, now_ns);
   last_frame_ns_ = now_ns;
   torn_since_ = 0;
   Frame frame;
   frame.info.index = counter_.index_of(arv_buffer_get_frame_id(buffer));
+  if (chunks_.asked()) chunks_.read(buffer, frame.info.index);
   FrameLease other = sink_->claim(camera_);
   if (!other) return lend(stream, buffer);
   frame.info.camera = camera_;

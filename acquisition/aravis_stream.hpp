@@ -8,9 +8,10 @@
 #include <memory>
 #include <vector>
 
+#include "acquisition/aravis_chunks.hpp"
 #include "acquisition/aravis_handle.hpp"
+#include "acquisition/aravis_setup.hpp"
 #include "acquisition/frame_counter.hpp"
-#include "acquisition/pixel_format.hpp"
 #include "acquisition/source.hpp"
 
 namespace rptv {
@@ -22,8 +23,8 @@ namespace rptv {
 class AravisStream {
  public:
   /// `slots`: of the sink's pool for this camera; `lent`: how many of them lie with the driver.
-  AravisStream(std::uint32_t camera, ImageShape shape, const PixelFormat& format, std::size_t slots, std::size_t lent,
-               std::int64_t priority, FrameCounter::Width width);
+  AravisStream(std::uint32_t camera, const AravisSetup& setup, AravisChunks& chunks, std::size_t slots,
+               std::size_t lent, std::int64_t priority);
 
   /// Claims what is not yet lent, gives all of it to `stream`. Before the acquisition starts. `period_ns`: between
   /// frames, by which those are estimated that were due since the last session; 0: unknown, none are.
@@ -66,7 +67,9 @@ class AravisStream {
   const std::uint32_t camera_;
   const ImageShape shape_;
   const PixelFormat& format_;
-  const std::size_t payload_bytes_;
+  AravisChunks& chunks_;
+  const std::size_t payload_bytes_;   ///< of a whole image with its chunks
+  const std::size_t smallest_bytes_;  ///< of one with fewer chunks than it might have
   const std::size_t lent_;
   const std::int64_t priority_;
   std::vector<Slot> slots_;            ///< by slot number of the pool

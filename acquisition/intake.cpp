@@ -45,7 +45,7 @@ HandOverPolicy lane_policy(const IntakeOptions& options, std::size_t cameras) {
 
 Intake::Lane::Lane(const CameraInfo& camera, const IntakeOptions& options, const HandOverPolicy& policy)
     : shape(camera.shape),
-      pool(options.pool_frames_per_camera, camera.shape.bytes()),
+      pool(options.pool_frames_per_camera, camera.shape.bytes() + camera.bytes_behind_image),
       queue(policy, losses),
       depth(depth_of(policy)) {}
 

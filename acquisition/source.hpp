@@ -16,6 +16,7 @@ struct CameraInfo {
   std::string name;  ///< what the user calls it; unique within a source
   ImageShape shape;
   std::uint32_t significant_bits = 8;  ///< grey values lie in 0 … 2^bits − 1
+  std::size_t bytes_behind_image = 0;  ///< that the source needs in each slot
 };
 
 /// Where a source puts its frames. Per camera, one thread at a time calls these; different cameras may use different

@@ -35,9 +35,14 @@ if(RPTV_SANITIZE)
   endif()
 endif()
 
-# rptv_library(name SOURCES… LINK…): one static library per folder.
+# rptv_library(name SOURCES… LINK… [ALONE…]): one static library per folder. A sanitizer's build compiles its sources several
+# at a time; ALONE names those that cannot stand beside others (the same names in each).
 function(rptv_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE;ALONE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
+  if(RPTV_SANITIZE)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
   target_link_libraries(${name} PUBLIC rptv_flags ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
 endfunction()

@@ -40,6 +40,18 @@ struct Outage {
   bool operator==(const Outage&) const = default;
 };
 
+/// What the camera measured with one image: "ExposureTime", in the camera's unit.
+struct DeviceReadings {
+  struct Value {
+    std::string name;
+    double value = 0;
+    bool operator==(const Value&) const = default;
+  };
+  std::uint64_t frame = 0;  ///< index of the image
+  std::vector<Value> values;
+  bool operator==(const DeviceReadings&) const = default;
+};
+
 struct DeviceStatus {
   DeviceState state = DeviceState::stopped;
   std::string device;          ///< vendor, model, serial and address, as far as they are known
@@ -48,6 +60,7 @@ struct DeviceStatus {
   std::uint64_t sessions = 0;  ///< times that it was opened and started
   std::vector<DeviceCounter> counters;
   Outage last_outage;
+  DeviceReadings readings;
 };
 
 }  // namespace rptv

@@ -39,6 +39,13 @@ void write_camera(const CameraReport& report, rapidptv::Camera& message) {
     entry.set_number(outage.number), entry.set_first_frame(outage.first_frame);
     entry.set_duration_ns(static_cast<std::uint64_t>(outage.duration_ns)), entry.set_frames_due(outage.frames_due);
   }
+  if (const DeviceReadings& readings = report.device.readings; !readings.values.empty()) {
+    message.mutable_readings()->set_frame(readings.frame);
+    for (const auto& [name, value] : readings.values) {
+      auto& entry = *message.mutable_readings()->add_values();
+      entry.set_name(name), entry.set_value(value);
+    }
+  }
   if (!report.clock.valid) return;
   auto& clock = *message.mutable_clock();
   clock.set_offset_ns(report.clock.offset_ns);
@@ -58,6 +65,9 @@ CameraReport read_camera(const rapidptv::Camera& message) {
   const auto& outage = message.last_outage();
   device.last_outage = {outage.number(), outage.first_frame(), static_cast<std::int64_t>(outage.duration_ns()),
                         outage.frames_due()};
+  device.readings.frame = message.readings().frame();
+  for (const auto& reading : message.readings().values())
+    device.readings.values.push_back({reading.name(), reading.value()});
   report.clock = {message.has_clock(), message.clock().offset_ns(), message.clock().drift_ppm(),
                   message.clock().restarts()};
   report.skew = {message.skew().sets(), message.skew().p50_ns(), message.skew().p99_ns(), message.skew().max_ns()};
@@ -80,11 +90,18 @@ std::string to_json(const CameraReport& report) {
   if (const Outage& last = report.device.last_outage; last.number > 0)
     outage = fmt::format(R"({{"number":{},"first_frame":{},"duration_ns":{},"frames_due":{}}})", last.number,
                          last.first_frame, last.duration_ns, last.frames_due);
+  std::string readings = "null";
+  if (!report.device.readings.values.empty()) {
+    std::string values;
+    for (const auto& [name, value] : report.device.readings.values)
+      values += fmt::format("{}{}:{}", values.empty() ? "" : ",", json_string(name), json_number(value));
+    readings = fmt::format(R"({{"frame":{},"values":{{{}}}}})", report.device.readings.frame, values);
+  }
   return fmt::format(
-      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"last_outage":{},"skew":{}}})",
+      R"({{"name":{},"state":{},"device":{},"link":{},"problem":{},"sessions":{},"delivered":{},"counters":{{{}}},"clock":{},"last_outage":{},"skew":{},"readings":{}}})",
       json_string(report.name), json_string(name_of(report.device.state)), json_string(report.device.device),
       json_string(report.device.link), json_string(report.device.problem), report.device.sessions, report.delivered,
-      counters, clock, outage, skew);
+      counters, clock, outage, skew, readings);
 }
 
 std::string to_line(const CameraReport& report) {
@@ -101,6 +118,7 @@ std::string to_line(const CameraReport& report) {
   if (report.skew.sets != 0)
     line += fmt::format(", skew P50 {:.1f} P99 {:.1f} max {:.1f} us", microseconds(report.skew.p50_ns),
                         microseconds(report.skew.p99_ns), microseconds(report.skew.max_ns));
+  for (const auto& [name, value] : device.readings.values) line += fmt::format(", {} {}", name, value);
   if (!device.link.empty()) line += "; " + device.link;
   if (!device.problem.empty()) line += "; " + device.problem;
   return line;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "reconstruct/lit_maxima_mask.hpp"
+
 namespace rptv {
 
 BlobParts::BlobParts(const ImageShape& shape, std::size_t most_pixels, double split_sigmas, const GreyNoise& noise)
@@ -76,11 +78,14 @@ std::uint32_t BlobParts::number_parts() noexcept {
 template <class Pixel>
 std::uint32_t BlobParts::take_apart(const GreyOverBackground<Pixel>& grey, std::span<const LitRun> component) noexcept {
   pixels_.clear();
+  std::size_t maxima = 0;
   for (const LitRun& run : component)
     for (std::uint32_t x = run.first_x; x < run.end_x; ++x) {
       const std::size_t i = grey.index(static_cast<std::int32_t>(x), static_cast<std::int32_t>(run.y));
       pixels_.push_back({x, run.y, grey.over(i), grey.over_limit(i), grey.raw(i), 0});
+      maxima += is_maximum(grey.pixels() + i, grey.width());
     }
+  if (maxima == 1) return 1;  // nothing to take apart
   sort_by_byte(0);
   if (sizeof(Pixel) == 2) sort_by_byte(8);
   flood();

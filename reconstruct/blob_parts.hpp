@@ -28,7 +28,7 @@ class BlobParts {
   /// For components of up to `most_pixels` in images of that shape.
   BlobParts(const ImageShape& shape, std::size_t most_pixels, double split_sigmas, const GreyNoise& noise);
 
-  /// Returns how many parts there are; pixels() then has all pixels of the component.
+  /// Returns how many parts there are; pixels() then has all pixels of the component, which does not touch the border.
   template <class Pixel>
   std::uint32_t take_apart(const GreyOverBackground<Pixel>& grey, std::span<const LitRun> component) noexcept;
   std::span<const PartPixel> pixels() const noexcept { return pixels_; }

@@ -48,13 +48,20 @@ class GreyOverBackground {
   Pixel raw(std::size_t i) const noexcept { return pixels_[i]; }
   float over(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) - mean_[i & table_]; }
   /// Highest value of over(i) that is still dark.
-  float dark(std::size_t i) const noexcept { return static_cast<float>(limits_[i]) - mean_[i & table_]; }
+  float dark(std::size_t i) const noexcept { return static_cast<float>(limits_[i & table_]) - mean_[i & table_]; }
   float over_limit(std::size_t i) const noexcept {
-    return static_cast<float>(pixels_[i]) - static_cast<float>(limits_[i]);
+    return static_cast<float>(pixels_[i]) - static_cast<float>(limits_[i & table_]);
   }
   bool saturated(std::size_t i) const noexcept { return static_cast<float>(pixels_[i]) >= saturation_; }
+  // For copies of whole rows: from pixel i on. With one background, mean(i) has one value for all.
+  const Pixel* pixels() const noexcept { return pixels_; }
+  const float* mean(std::size_t i) const noexcept { return mean_ + (i & table_); }
+  bool one_background() const noexcept { return table_ == 0; }
+  float saturation() const noexcept { return saturation_; }
+
   /// Asks for the memory of a square that will be read soon; parts of it may lie outside.
   void prefetch_square(PixelIndex middle, std::int32_t radius) const noexcept {
+    __builtin_prefetch(limits_ + (index(middle.x, middle.y) & table_));
     for (std::int32_t y = std::max(middle.y - radius, 0); y <= std::min(middle.y + radius, height_ - 1); ++y) {
       const std::size_t i = index(std::max(middle.x - radius, 0), y);
       __builtin_prefetch(pixels_ + i), __builtin_prefetch(mean_ + (i & table_));
@@ -65,7 +72,8 @@ class GreyOverBackground {
   const Pixel* pixels_;
   const float* mean_;
   const std::uint16_t* limits_;
-  std::size_t table_;  // bits of an index into mean_ that count: one value stands for all where all are equal
+  std::size_t
+      table_;  // bits of an index into mean_ and limits_ that count: one value stands for all where all are equal
   std::int32_t width_, height_;
   float saturation_;
 };

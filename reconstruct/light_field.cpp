@@ -2,17 +2,15 @@
 // The light-field chain, one step a line.
 #include "reconstruct/light_field.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "calibration/object_map.hpp"
-#include "core/error.hpp"
 #include "reconstruct/classify_dbscan.hpp"
 #include "reconstruct/classify_local_maxima.hpp"
 #include "reconstruct/coarse_maxima.hpp"
+#include "reconstruct/dense_search.hpp"
 #include "reconstruct/ghost_probability.hpp"
 #include "reconstruct/light_field_volume.hpp"
 #include "reconstruct/lit_pixels.hpp"
@@ -52,6 +50,7 @@ struct LightField::Stages {
   void find_particles(std::size_t lit_pixels) noexcept;
   std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
+  void find_overlapping(const ImageView& image) noexcept;
   void write(Particles& out) const noexcept;
 
   const LightFieldSettings settings;
@@ -76,6 +75,7 @@ struct LightField::Stages {
   ExplainAway explain_away;
   std::unique_ptr<RunningBackground> learner;  // with settings.running_background
   std::unique_ptr<Shake> shake;                // with settings.refine
+  std::unique_ptr<DenseSearch> dense_search;   // with settings.refine_search = "grey_values"
   std::vector<FittedParticle> particles;
   bool dense = true;  // the first round decides for the frame
   LightFieldCounts counts;
@@ -108,10 +108,11 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
     learner = std::make_unique<RunningBackground>(
         shape, dark, s.noise_grey, background.data != nullptr,
         RunningBackgroundOptions{s.threshold, s.threshold_sigmas, s.background_frames});
-  if (s.refine)
-    shake = std::make_unique<Shake>(
-        calibration, lattice,
-        make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count)));
+  if (!s.refine) return;
+  const ShakeOptions options =
+      make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count));
+  shake = std::make_unique<Shake>(calibration, lattice, options);
+  if (s.refine_search == "grey_values") dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
 }
 
 bool LightField::Stages::cloud_is_dense() const noexcept {
@@ -166,6 +167,7 @@ std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcep
 
 void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
   shake->begin(image, now_dark().mean);
+  if (dense_search) return find_overlapping(image);
   particles.resize(shake->refine(particles, 0));
   for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
     lit_pixels = keep_unexplained(lit_pixels);
@@ -176,6 +178,20 @@ void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) 
   }
   std::sort(particles.begin(), particles.end(),
             [](const FittedParticle& a, const FittedParticle& b) { return a.support > b.support; });
+}
+
+// Rays only show how bright a particle is.
+void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
+  dense_search->begin(image, now_dark().mean);
+  const auto found = dense_search->find(particles);
+  particles.clear();
+  for (const auto& p : found) {
+    particles.emplace_back();
+    particles.back().at = p.at, particles.back().light = p.light;
+  }
+  particles.resize(shake->describe(particles));
+  counts.refused_candidates += dense_search->refused_hits();
+  counts.refused_particles += dense_search->refused();
 }
 
 void LightField::Stages::write(Particles& out) const noexcept {
@@ -194,10 +210,7 @@ void LightField::Stages::write(Particles& out) const noexcept {
 
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                        const ImageView& background) {
-  if (settings.counting == "coarse_to_fine" && settings.classification == "dbscan")
-    throw Error(ExitCode::configuration,
-                "light_field.classification = \"dbscan\" needs clouds of voxels, which light_field.counting = "
-                "\"coarse_to_fine\" does not make; choose counting = \"coarse\" or \"exhaustive\"");
+  check_choices(settings);
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
   stages_ = std::make_unique<Stages>(settings, calibration, background);
 }

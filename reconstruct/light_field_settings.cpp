@@ -37,6 +37,8 @@ void LightFieldSettings::fields(FieldList& list) {
   list.flag(
       "refine", refine,
       "fit the particles to the grey values: far more accurate, some 0.5 ms a particle (needs lens.image_f_number)");
+  list.choice("refine_search", refine_search, {"rays", "grey_values"},
+              "what refine looks for: lit pixels, each of one particle, or whole particles in dense images (seconds)");
   list.integer("refine_sweeps", refine_sweeps, 1, 100, "sweeps of the fit over all particles");
   list.integer("refine_rounds", refine_rounds, 1, 16,
                "1: no search in what is left of the image; more: again and again");

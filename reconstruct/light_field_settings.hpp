@@ -39,14 +39,16 @@ struct LightFieldSettings {
   std::int64_t dbscan_min_points = 1;  ///< 1: every voxel at C_min counts; more: lonely ones are noise
   std::vector<double> maximum_radius_um{190, 190, 4000};  ///< half-widths of the box that a local maximum rules
 
-  bool explain_away = true;         ///< a pixel saw one particle: candidates claim their rays in order of support
-  std::int64_t explain_rounds = 3;  ///< how often what is left is counted again
-  bool refine = false;              ///< fit the particles to the grey values themselves (shaking)
-  std::int64_t refine_sweeps = 3;   ///< over all particles, each time
-  std::int64_t refine_rounds = 2;   ///< 1: no look at what is left; more: what no particle explains is searched again
-  double noise_grey = 1;            ///< rms of a dark pixel, grey levels
-  double electrons_per_grey = 4;    ///< gain of the camera: the shot noise of light
-  double ghost_share = 0.15;        ///< particles with less than this share of the median particle's light are ghosts
+  bool explain_away = true;            ///< a pixel saw one particle: candidates claim their rays in order of support
+  std::int64_t explain_rounds = 3;     ///< how often what is left is counted again
+  bool refine = false;                 ///< fit the particles to the grey values themselves (shaking)
+  std::string refine_search = "rays";  ///< "rays": particles are found by lit pixels, each of one particle;
+                                       ///< "grey_values": by their whole images, where many overlap; seconds a frame
+  std::int64_t refine_sweeps = 3;      ///< over all particles, each time
+  std::int64_t refine_rounds = 2;  ///< 1: no look at what is left; more: what no particle explains is searched again
+  double noise_grey = 1;           ///< rms of a dark pixel, grey levels
+  double electrons_per_grey = 4;   ///< gain of the camera: the shot noise of light
+  double ghost_share = 0.15;       ///< particles with less than this share of the median particle's light are ghosts
 
   std::int64_t max_hypotheses = 1;  ///< lenslets that one pixel may belong to where sub-images overlap
   std::int64_t max_particles = 4096;

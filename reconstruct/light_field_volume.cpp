@@ -59,6 +59,17 @@ double diffraction_zero_um(const LightFieldSettings& settings, const LightFieldC
 
 }  // namespace
 
+void check_choices(const LightFieldSettings& settings) {
+  if (settings.counting == "coarse_to_fine" && settings.classification == "dbscan")
+    refuse(
+        "light_field.classification = \"dbscan\" needs clouds of voxels, which light_field.counting = "
+        "\"coarse_to_fine\" does not make; choose counting = \"coarse\" or \"exhaustive\"");
+  if (settings.refine_search == "grey_values" && !settings.refine)
+    refuse(
+        "light_field.refine_search = \"grey_values\" is a way to refine; set light_field.refine = true, or "
+        "leave refine_search out");
+}
+
 VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                     double slope_half_range) {
   const Range z = range_of("volume_z_mm", settings.volume_z_mm, {0, 0});
@@ -161,6 +172,7 @@ ShakeOptions make_shake_options(const LightFieldSettings& settings, const LightF
     options.subimage_px = calibration.lenslets.focal_length_mm / f_number / calibration.pixel_mm();
   }
   options.satellite_mm = std::max(calibration.pitch_mm() / 4, options.model.particle_radius_mm);
+  options.lit_grey = settings.threshold;
   options.least_share = settings.ghost_share;
   options.max_particles = explain.max_particles;
   options.threads = explain.threads;

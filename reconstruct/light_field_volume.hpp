@@ -12,6 +12,9 @@
 
 namespace rptv {
 
+/// Throws Error(configuration) where one choice does not go with another.
+void check_choices(const LightFieldSettings& settings);
+
 /// The volume of the settings, in voxels. `slope_half_range` decides the planes that are counted: on the nearest one
 /// the outermost ray is at most half a voxel off (coarse to fine) or an eighth (coarse). Throws Error(configuration).
 VoxelGrid make_grid(const LightFieldSettings& settings, const LightFieldCalibration& calibration,

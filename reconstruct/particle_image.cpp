@@ -48,7 +48,7 @@ ImageModel::ImageModel(const LightFieldCalibration& calibration, const LensletLa
       planes_(4 * kPlane + kGuard),
       line_(kPlane + kGuard),
       place_(kMostBoxPixels) {
-  patches_.reserve(kMostPatches);
+  patches_.resize(kMostPatches);
   if (!(options.pupil_radius_mm > 0))
     throw Error(ExitCode::configuration,
                 "light_field.refine needs the size of the pupil; give lens.image_f_number in the calibration, or set "
@@ -117,7 +117,7 @@ bool ImageModel::range_of(const ParticleView& view, float c_x, float c_y, Range&
 
 bool ImageModel::render(const ImagePoint& at, ParticleImage& out) noexcept {
   out.size = 0;
-  patches_.clear();
+  patch_count_ = 0;
   overlap_ = false;
   if (per_pupil_distance_ > 0 && !(at.z * per_pupil_distance_ < 0.9)) return false;
   const ParticleView view = view_of(at);
@@ -167,15 +167,15 @@ bool ImageModel::add_patch(const ParticleView& view, float c_x, float c_y, const
       patch.row + patch.height <= 0)
     return true;
   if (static_cast<std::size_t>(patch.width) * static_cast<std::size_t>(patch.height) > kMostPatchPixels ||
-      patch.width > kWidestPatch || patches_.size() == kMostPatches)
+      patch.width > kWidestPatch || patch_count_ == kMostPatches)
     return false;
   light_up(view, c_x, c_y, patch);
   for (std::size_t k = 0; k < 4 && reach_ > 0; ++k) blur(plane(k), patch);
-  overlap_ = overlap_ || std::any_of(patches_.begin(), patches_.end(), [&](const Patch& other) {
+  overlap_ = overlap_ || std::any_of(patches().begin(), patches().end(), [&](const Patch& other) {
                return patch.column < other.column + other.width && other.column < patch.column + patch.width &&
                       patch.row < other.row + other.height && other.row < patch.row + patch.height;
              });
-  patches_.push_back(patch);
+  patches_[patch_count_++] = patch;
   return copy_seen(patch, kFaintest * view.light, out);
 }
 
@@ -236,7 +236,7 @@ bool ImageModel::copy_seen(const Patch& patch, float least, ParticleImage& out) 
 bool ImageModel::merge(ParticleImage& image) noexcept {
   Patch box = patches_[0];
   std::int32_t right = 0, bottom = 0;
-  for (const Patch& patch : patches_) {
+  for (const Patch& patch : patches()) {
     box.column = std::min(box.column, patch.column), right = std::max(right, patch.column + patch.width);
     box.row = std::min(box.row, patch.row), bottom = std::max(bottom, patch.row + patch.height);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "calibration/lenslet_lattice.hpp"
@@ -55,6 +56,7 @@ class ImageModel {
   const float* plane(std::size_t k) const noexcept;
   ParticleView view_of(const ImagePoint& at) const noexcept;
   bool range_of(const ParticleView& view, float c_x, float c_y, Range& range) const noexcept;
+  std::span<const Patch> patches() const noexcept { return {patches_.data(), patch_count_}; }
   Patch patch_of(float c_x, float c_y, const Range& range) const noexcept;
   bool add_patch(const ParticleView& view, float c_x, float c_y, const Range& range, ParticleImage& out) noexcept;
   void light_up(const ParticleView& view, float c_x, float c_y, const Patch& patch) noexcept;
@@ -70,7 +72,8 @@ class ImageModel {
   const double per_pupil_distance_, slope_sigma_;
   std::vector<float> planes_, line_;  // workspace: the sharp image and its derivatives; one plane half blurred
   bool overlap_ = false;
-  std::vector<Patch> patches_;
+  std::vector<Patch> patches_;  // room for them; a copy of the model has it, too
+  std::size_t patch_count_ = 0;
   std::vector<std::uint32_t> place_;  // where a pixel of the box stands in the image, plus 1
 };
 

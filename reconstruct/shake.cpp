@@ -118,6 +118,31 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
   return drop_ghosts(particles);
 }
 
+std::size_t Shake::describe(std::span<FittedParticle> particles) noexcept {
+  sort_into_stripes(particles);
+  for_each(particles, [&](FittedParticle& p, Worker& worker, std::size_t) {
+    if (worker.model.render(p.at, worker.now))
+      paint(worker.now, p.light);
+    else
+      p.light = 0;
+  });
+  join_twins(particles);
+  for_each(particles, [&](FittedParticle& p, Worker& worker, std::size_t) {
+    if (!(p.light > 0) || !worker.model.render(p.at, worker.now)) return;
+    paint(worker.now, -p.light);
+    State state{p, {}};
+    weigh(state, worker.now, worker);
+    tell(state, worker, p);
+    p.residual_mm = std::sqrt(p.covariance.xx + p.covariance.yy);
+    p.support = static_cast<double>(
+        std::count_if(worker.now.value.begin(), worker.now.value.begin() + static_cast<std::ptrdiff_t>(worker.now.size),
+                      [&](float value) { return p.light * static_cast<double>(value) > options_.lit_grey; }));
+    paint(worker.now, p.light);
+  });
+  mark_ghosts(particles);
+  return drop_ghosts(particles);
+}
+
 // Its light from what is left of the image where it is.
 void Shake::introduce(FittedParticle& particle, Worker& worker) noexcept {
   particle.light = 0;
@@ -146,8 +171,14 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   weigh(state, worker.now, worker);
   climb(state, worker, kStepsAVisit);
   if (search && std::abs(particle.at.z) < options_.shallow_mm) search_depth(state, worker);
-  const ParticleImage& image = worker.now;
   particle = state.particle;
+  tell(state, worker, particle);
+  paint(worker.now, particle.light);
+}
+
+// What is known about a particle that is not painted; `worker` has its image.
+void Shake::tell(const State& state, Worker& worker, FittedParticle& particle) const noexcept {
+  const ParticleImage& image = worker.now;
   particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(image.size) - 4);
   particle.gain = state.sums.gain;
   const auto pixels = static_cast<double>(image.size);  // noise leaves χ² pixels ± √(2·pixels)
@@ -159,7 +190,6 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   const double border_mm = border_error_mm(particle.at.z);
   particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), border_mm, options_.slope_rms,
                                       column_of_.direction(particle.at));
-  paint(image, particle.light);
 }
 
 double Shake::border_error_mm(double z_mm) const noexcept {

@@ -29,6 +29,9 @@ class Shake {
   /// Fits particles[0 … n) to the image, moved in place; `first_new` and later are new since the last call. Those that
   /// turn out to be ghosts, or leave the volume, are taken out. Returns how many are left, in unchanged order.
   std::size_t refine(std::span<FittedParticle> particles, std::size_t first_new) noexcept;
+  /// What refine() tells about particles, of such as are placed together already, their lights known: none moves, but
+  /// those that are one become one, and ghosts are taken out. The first call of a frame.
+  std::size_t describe(std::span<FittedParticle> particles) noexcept;
   /// Light of a pixel, grey values above background: what particles explain, and the rest.
   float explained(std::uint32_t pixel) const noexcept { return std::max(explained_[pixel], 0.0F); }
   float unexplained(std::uint32_t pixel) const noexcept { return grey(pixel) - explained_[pixel]; }
@@ -60,9 +63,12 @@ class Shake {
   bool render(State& state, ParticleImage& image, Worker& worker) const noexcept;
   void weigh(State& state, const ParticleImage& image, Worker& worker) const noexcept;
   void climb(State& state, Worker& worker, int steps) const noexcept;
+  void tell(const State& state, Worker& worker, FittedParticle& particle) const noexcept;
   void search_depth(State& state, Worker& worker) const noexcept;
   bool may_be_one(const FittedParticle& a, const FittedParticle& b) const noexcept;
+  bool same_place(const FittedParticle& a, const FittedParticle& b) const noexcept;
   void join_halves(std::span<FittedParticle> particles) noexcept;
+  void join_twins(std::span<FittedParticle> particles) noexcept;
   bool join(FittedParticle& one, FittedParticle& other, Worker& worker) noexcept;
   double crowded(const State& state, const Worker& worker) const noexcept;
   double border_error_mm(double z_mm) const noexcept;

@@ -10,7 +10,8 @@ namespace rptv {
 namespace {
 constexpr double kNeighbours = 1.8;  // pitches apart, at most
 constexpr int kStepsOfAJoin = 5;
-constexpr double kAsGood = 0.98;  // of the χ² that both explain: the simpler answer may explain a little less
+constexpr double kSameDepth = 0.2;  // of the shallow depth
+constexpr double kAsGood = 0.98;    // of the χ² that both explain: the simpler answer may explain a little less
 }  // namespace
 
 // Both near the array and in neighbouring lenslets; or anywhere on the same rays, one behind the other.
@@ -28,6 +29,18 @@ void Shake::join_halves(std::span<FittedParticle> particles) noexcept {
   for (std::size_t i = 0; i < particles.size(); ++i)
     for (std::size_t j = i + 1; j < particles.size(); ++j)
       if (may_be_one(particles[i], particles[j])) join(particles[i], particles[j], workers_[0]);
+}
+
+bool Shake::same_place(const FittedParticle& a, const FittedParticle& b) const noexcept {
+  const ImagePoint on_ray = column_of_.slide(a.at, b.at.z);
+  return a.light > 0 && b.light > 0 && std::abs(a.at.z - b.at.z) < kSameDepth * options_.shallow_mm &&
+         std::max(std::abs(on_ray.x - b.at.x), std::abs(on_ray.y - b.at.y)) < options_.satellite_mm;
+}
+
+void Shake::join_twins(std::span<FittedParticle> particles) noexcept {
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    for (std::size_t j = i + 1; j < particles.size(); ++j)
+      if (same_place(particles[i], particles[j])) join(particles[i], particles[j], workers_[0]);
 }
 
 // The gain of a particle that is not painted; paints it.

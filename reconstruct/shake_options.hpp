@@ -22,6 +22,7 @@ struct ShakeOptions {
   double pitch_mm = 0, slope_rms = 0;  ///< of the lenslets; of a particle's rays along an axis
   double subimage_px = 1;              ///< diameter of a lenslet's image of the pupil
   double satellite_mm = 0;   ///< aside of a much brighter particle, within the shallow depth: its light, badly modelled
+  double lit_grey = 1;       ///< a pixel that a particle makes brighter than this supports it
   double least_share = 0.1;  ///< of the median particle's light: below it is a ghost
   std::size_t max_particles = 4096;
   std::size_t max_pixels = 1 << 16;  ///< of one particle's image

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruct/spot_square.hpp"
+
 namespace rptv {
 
 namespace {
@@ -38,49 +40,45 @@ SpotFinder::SpotFinder(const DetectorSettings& settings, const ImageShape& shape
     overlaps_.emplace(settings, shape, options_, fitted_.capacity(), set);
 }
 
-// Copies the square of a spot into its lane. Lit pixels are those above the limit of the middle one.
+// Copies the square of a spot into its lane.
 template <class Pixel>
 void SpotFinder::fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept {
   const auto radius = static_cast<std::int32_t>(options_.radius);
-  const auto [middle_x, middle_y] = spot.middle;
-  const float dark = grey.dark(grey.index(middle_x, middle_y));
-  std::size_t k = 0, lit = 0, usable = 0;
-  for (std::int32_t y = middle_y - radius; y <= middle_y + radius; ++y)
-    for (std::int32_t x = middle_x - radius; x <= middle_x + radius; ++x, ++k) {
-      const bool inside = x >= 0 && y >= 0 && x < grey.width() && y < grey.height();
-      const bool own = inside && (spot.neighbours >> k & 1) == 0;
-      const float over = own ? grey.over(grey.index(x, y)) : 0;
-      const bool tells = own && !grey.saturated(grey.index(x, y));
-      batch_.grey[k][lane] = over;
-      batch_.usable[k][lane] = tells ? 1.0F : 0.0F;
-      usable += tells, lit += own && over > dark;
-    }
-  lanes_[lane] = {&spot, lit, usable};
-}
-
-// The same for most spots, which have their square for themselves, without a branch; false when this is not one of
-// them.
-template <class Pixel>
-bool SpotFinder::fill_plain(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept {
-  const auto radius = static_cast<std::int32_t>(options_.radius);
-  const auto [middle_x, middle_y] = spot.middle;
-  if (spot.neighbours != 0 || middle_x < radius || middle_y < radius || middle_x + radius >= grey.width() ||
-      middle_y + radius >= grey.height())
-    return false;
   const std::size_t side = 2 * options_.radius + 1;
-  const float dark = grey.dark(grey.index(middle_x, middle_y));
-  std::size_t k = 0, lit = 0, saturated = 0;
-  for (std::int32_t y = middle_y - radius; y <= middle_y + radius; ++y) {
-    const std::size_t first = grey.index(middle_x - radius, y);
-    for (std::size_t i = first; i < first + side; ++i, ++k) {
-      const float over = grey.over(i);
-      batch_.grey[k][lane] = over;
-      batch_.usable[k][lane] = 1;
-      lit += over > dark, saturated += grey.saturated(i);
+  if (spot.neighbours == 0 && has_whole_rows(grey, spot.middle, radius)) {  // most spots
+    const SquareCounts counts = copy_square(grey, spot.middle, radius, batch_.grey[lane], set_);
+    if (counts.saturated == 0) {
+      if (!all_usable_[lane]) batch_.usable[lane].fill(1);
+      all_usable_[lane] = true;
+      lanes_[lane] = {&spot, counts.lit, side * side};
+      return;
     }
   }
-  lanes_[lane] = {&spot, lit, side * side};
-  return saturated == 0;
+  all_usable_[lane] = false;
+  fill_with_care(grey, spot, lane);
+}
+
+// The same where pixels are missing: beyond the border, saturated, or another spot's.
+template <class Pixel>
+void SpotFinder::fill_with_care(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept {
+  const auto radius = static_cast<std::int32_t>(options_.radius);
+  const auto [middle_x, middle_y] = spot.middle;
+  const float dark = grey.dark(grey.index(middle_x, middle_y));
+  std::size_t lit = 0, usable = 0, bit = 0;
+  for (std::int32_t dy = -radius; dy <= radius; ++dy) {
+    auto k = static_cast<std::size_t>(dy + radius) * SpotBatch::kRow;
+    for (std::int32_t dx = -radius; dx <= radius; ++dx, ++k, ++bit) {
+      const std::int32_t x = middle_x + dx, y = middle_y + dy;
+      const bool inside = x >= 0 && y >= 0 && x < grey.width() && y < grey.height();
+      const bool own = inside && (spot.neighbours >> bit & 1) == 0;
+      const float over = own ? grey.over(grey.index(x, y)) : 0;
+      const bool tells = own && !grey.saturated(grey.index(x, y));
+      batch_.grey[lane][k] = over;
+      batch_.usable[lane][k] = tells ? 1.0F : 0.0F;
+      usable += tells, lit += own && over > dark;
+    }
+  }
+  lanes_[lane] = {&spot, lit, usable};
 }
 
 void SpotFinder::fit(std::size_t lanes) noexcept {
@@ -118,7 +116,7 @@ void SpotFinder::fit_all(const GreyOverBackground<Pixel>& grey, std::span<const 
       ++counts.merged;
       continue;
     }
-    if (!fill_plain(grey, spots[i], lanes)) fill(grey, spots[i], lanes);
+    fill(grey, spots[i], lanes);
     if (lanes_[lanes].lit < min_area_px_) {
       ++counts.too_small;
       continue;

@@ -35,7 +35,7 @@ class SpotFinder {
   template <class Pixel>
   void fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept;
   template <class Pixel>
-  bool fill_plain(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept;
+  void fill_with_care(const GreyOverBackground<Pixel>& grey, const Spot& spot, std::size_t lane) noexcept;
   void fit(std::size_t lanes) noexcept;
   template <class Pixel>
   void fit_all(const GreyOverBackground<Pixel>& grey, std::span<const Spot> spots, DetectorCounts& counts) noexcept;
@@ -54,6 +54,7 @@ class SpotFinder {
   std::vector<FittedSpot> fitted_;
   std::optional<SpotOverlaps> overlaps_;
   SpotBatch batch_{};
+  std::array<bool, SpotBatch::kSpots> all_usable_{};  // every weight in the lane is 1
   SpotCentres centres_{};
   std::array<Lane, SpotBatch::kSpots> lanes_{};
 };

@@ -13,9 +13,6 @@ namespace {
 static_assert(SpotBatch::kSpots == kLanes);
 constexpr int kSteps = 2;  // of Gauss and Newton: a third changes nothing that noise does not hide
 
-RPTV_LANES Lanes load(const std::array<float, kLanes>& from) noexcept {
-  return *reinterpret_cast<const Lanes*>(from.data());
-}
 RPTV_LANES void store(Lanes value, std::array<float, kLanes>& to) noexcept {
   *reinterpret_cast<Lanes*>(to.data()) = value;
 }
@@ -26,21 +23,28 @@ struct Centre {
   Lanes peak = Lanes{}, bend = Lanes{}, misfit = Lanes{};  // of a Gaussian
 };
 
-struct Square {
-  const SpotBatch& batch;
-  const SpotOptions& options;
-
-  RPTV_LANES Lanes noise(Lanes grey) const noexcept {
-    return most(grey, Lanes{}) * options.grey_per_electron + options.noise_variance;
+// The squares of a batch, a pixel of all spots side by side.
+struct Squares {
+  RPTV_LANES Squares(const SpotBatch& batch, const SpotOptions& of) noexcept : options(of) {
+    each([&](std::size_t k, float, float) __attribute__((always_inline)) {
+      for (std::size_t i = 0; i < kLanes; ++i) grey[k][i] = batch.grey[i][k], usable[k][i] = batch.usable[i][k];
+    });
+  }
+  RPTV_LANES Lanes noise(Lanes light) const noexcept {
+    return most(light, Lanes{}) * options.grey_per_electron + options.noise_variance;
   }
   // visit(k, dx, dy) for every pixel
   template <class Visit>
   RPTV_LANES void each(const Visit& visit) const noexcept {
     const int radius = static_cast<int>(options.radius);
-    std::size_t k = 0;
-    for (int dy = -radius; dy <= radius; ++dy)
+    for (int dy = -radius; dy <= radius; ++dy) {
+      std::size_t k = static_cast<std::size_t>(dy + radius) * SpotBatch::kRow;
       for (int dx = -radius; dx <= radius; ++dx) visit(k++, static_cast<float>(dx), static_cast<float>(dy));
+    }
   }
+
+  const SpotOptions& options;
+  std::array<Lanes, SpotBatch::kPixels> grey, usable;
 };
 
 // A start that is no peak is made a wide one, for the steps to try.
@@ -48,10 +52,22 @@ RPTV_LANES void bound(LogGaussian& fit) noexcept {
   fit.q = least(most(fit.q, all_lanes(-3)), all_lanes(-0.02F));  // σ from 0.4 to 5 px
 }
 
-RPTV_LANES Centre gaussian(const Square& square) noexcept {
+// A Gaussian is the product of two: one along the columns of the square and one along its rows.
+struct Profile {
+  RPTV_LANES Profile(std::size_t radius, Lanes slope, Lanes bend, Lanes middle) noexcept {
+    for (std::size_t i = 0; i <= 2 * radius; ++i) {
+      const float at = static_cast<float>(i) - static_cast<float>(radius);
+      logarithm[i] = middle + slope * at + bend * (at * at);
+      value[i] = exp_of(logarithm[i]);
+    }
+  }
+  std::array<Lanes, 2 * SpotBatch::kMostRadius + 1> logarithm, value;
+};
+
+RPTV_LANES Centre gaussian(const Squares& square) noexcept {
   NormalEquations start;
   square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
-    const Lanes grey = load(square.batch.grey[k]), usable = load(square.batch.usable[k]);
+    const Lanes grey = square.grey[k], usable = square.usable[k];
     const Lanes bright = most(grey, all_lanes(1e-3F));
     const Lanes weight = grey > 0.0F ? usable * bright * bright / square.noise(grey) : Lanes{};
     start.add(dx, dy, weight, weight * log_of(bright));
@@ -65,10 +81,13 @@ RPTV_LANES Centre gaussian(const Square& square) noexcept {
     equations.rr = all_lanes(square.options.bend_weight);
     equations.tr = equations.rr * square.options.expected_bend;
     left = Lanes{};
+    const Profile columns(square.options.radius, fit.b, fit.q, Lanes{}),
+        rows(square.options.radius, fit.c, fit.q, fit.a);
     square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
-      const Lanes logarithm = fit.a + fit.b * dx + fit.c * dy + fit.q * (dx * dx + dy * dy);
-      const Lanes model = exp_of(logarithm), off = load(square.batch.grey[k]) - model;
-      const Lanes per_noise = load(square.batch.usable[k]) / square.noise(model);
+      const std::size_t column = k % SpotBatch::kRow, row = k / SpotBatch::kRow;
+      const Lanes logarithm = columns.logarithm[column] + rows.logarithm[row];
+      const Lanes model = columns.value[column] * rows.value[row], off = square.grey[k] - model;
+      const Lanes per_noise = square.usable[k] / square.noise(model);
       const Lanes weight = per_noise * model;
       equations.add(dx, dy, weight * model, weight * (model * logarithm + off));
       left += per_noise * off * off;
@@ -82,8 +101,7 @@ RPTV_LANES Centre gaussian(const Square& square) noexcept {
                         (variance < 1.0F);  // a pixel off tells nothing
   const Lanes peak = exp_of(fit.a + (fit.b * x + fit.c * y) * 0.5F);
   Lanes usable{};
-  square.each([&](std::size_t k, float, float)
-                  __attribute__((always_inline)) { usable += load(square.batch.usable[k]); });
+  square.each([&](std::size_t k, float, float) __attribute__((always_inline)) { usable += square.usable[k]; });
   return {x, y, variance, ~good, peak, fit.q, left / most(usable - 4.0F, all_lanes(1))};
 }
 
@@ -92,12 +110,11 @@ struct Parabola {
   LaneBits good;
 };
 
-RPTV_LANES Parabola parabola(const Square& square, std::size_t before, std::size_t middle, std::size_t after) noexcept {
+RPTV_LANES Parabola parabola(const Squares& square, std::size_t before, std::size_t middle,
+                             std::size_t after) noexcept {
   const auto floor = [](Lanes grey) __attribute__((always_inline)) { return most(grey, all_lanes(1e-3F)); };
-  const Lanes i0 = floor(load(square.batch.grey[before])), i1 = floor(load(square.batch.grey[middle])),
-              i2 = floor(load(square.batch.grey[after]));
-  const Lanes usable =
-      load(square.batch.usable[before]) * load(square.batch.usable[middle]) * load(square.batch.usable[after]);
+  const Lanes i0 = floor(square.grey[before]), i1 = floor(square.grey[middle]), i2 = floor(square.grey[after]);
+  const Lanes usable = square.usable[before] * square.usable[middle] * square.usable[after];
   const Lanes l0 = log_of(i0), l1 = log_of(i1), l2 = log_of(i2), bend = l0 - l1 * 2.0F + l2;
   const Lanes at = (l0 - l2) / (bend * 2.0F);
   const Lanes g0 = 1.0F - at * 2.0F, g1 = at * 4.0F, g2 = 1.0F + at * 2.0F;
@@ -109,8 +126,8 @@ RPTV_LANES Parabola parabola(const Square& square, std::size_t before, std::size
   return {at, variance, good};
 }
 
-RPTV_LANES Centre three_point(const Square& square) noexcept {
-  const std::size_t side = 2 * square.options.radius + 1, middle = side * side / 2;
+RPTV_LANES Centre three_point(const Squares& square) noexcept {
+  const std::size_t side = SpotBatch::kRow, middle = square.options.radius * (side + 1);
   const Parabola along_x = parabola(square, middle - 1, middle, middle + 1);
   const Parabola along_y = parabola(square, middle - side, middle, middle + side);
   return Centre{along_x.at, along_y.at, (along_x.variance + along_y.variance) * 0.5F, ~(along_x.good & along_y.good)};
@@ -139,18 +156,18 @@ struct Edges {
   }
 };
 
-RPTV_LANES Light centroid(const Square& square) noexcept {
+RPTV_LANES Light centroid(const Squares& square) noexcept {
   const auto radius = static_cast<float>(square.options.radius);
   Lanes sum{}, sum_x{}, sum_y{}, spread_x{}, spread_y{};
   Edges columns, rows;
   square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
-    const Lanes grey = load(square.batch.grey[k]);
+    const Lanes grey = square.grey[k];
     sum += grey, sum_x += grey * dx, sum_y += grey * dy;
     columns.add(dx, radius, grey), rows.add(dy, radius, grey);
   });
   const Lanes safe = most(sum, all_lanes(1e-3F)), x = sum_x / safe, y = sum_y / safe;
   square.each([&](std::size_t k, float dx, float dy) __attribute__((always_inline)) {
-    const Lanes noise = square.noise(load(square.batch.grey[k]));
+    const Lanes noise = square.noise(square.grey[k]);
     spread_x += (x - dx) * (x - dx) * noise, spread_y += (y - dy) * (y - dy) * noise;
   });
   const Lanes per_x = 1.0F / columns.follows(radius, safe), per_y = 1.0F / rows.follows(radius, safe);
@@ -172,7 +189,7 @@ RPTV_LANES void replace_bad(Centre& centre, const Centre& by) noexcept {
 }
 
 RPTV_LANES void find(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
-  const Square square{batch, options};
+  const Squares square(batch, options);
   const Light light = centroid(square);
   Centre centre = options.method == SpotMethod::three_point ? three_point(square)
                   : options.method == SpotMethod::gaussian  ? gaussian(square)

@@ -12,13 +12,13 @@ namespace rptv {
 
 enum class SpotMethod : std::uint8_t { gaussian, three_point, centroid };
 
-/// Squares of pixels round sixteen spots. Pixel k = (dy + radius)·(2·radius + 1) + dx + radius of spot i is at [k][i].
+/// Squares of pixels round sixteen spots. Pixel (dx, dy) from the middle is at (dy + radius)·kRow + dx + radius.
 struct alignas(64) SpotBatch {
-  static constexpr std::size_t kSpots = 16, kMostRadius = 3, kMostPixels = 49;
+  static constexpr std::size_t kSpots = 16, kMostRadius = 3, kRow = 8, kPixels = 7 * kRow;
+  using Square = std::array<float, kPixels>;
 
-  std::array<std::array<float, kSpots>, kMostPixels>
-      grey;  ///< over the background; 0 where `usable` is for a neighbour
-  std::array<std::array<float, kSpots>, kMostPixels> usable;  ///< weight: 1; 0: saturated, outside or a neighbour's
+  std::array<Square, kSpots> grey;    ///< over the background; 0 where `usable` is for a neighbour
+  std::array<Square, kSpots> usable;  ///< weight: 1; 0: saturated, outside or a neighbour's
 };
 
 /// Where they are, in pixels from the middle of their squares.

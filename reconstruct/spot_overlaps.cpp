@@ -58,20 +58,20 @@ bool SpotOverlaps::fill(const GreyOverBackground<Pixel>& grey, FittedSpot& spot,
     const auto off = static_cast<float>(middle_x + dx - spot.x_px);
     along_x[static_cast<std::size_t>(dx + radius)] = std::exp(spot.bend * off * off);
   }
-  std::size_t k = 0;
   float others = 0, variance = 0;
   for (std::int32_t y = middle_y - radius; y <= middle_y + radius; ++y) {
     const auto off = static_cast<float>(y - spot.y_px);
     const float along_y = spot.peak * std::exp(spot.bend * off * off);
+    auto k = static_cast<std::size_t>(y - middle_y + radius) * SpotBatch::kRow;
     for (std::int32_t dx = -radius; dx <= radius; ++dx, ++k) {
       const std::int32_t x = middle_x + dx;
-      batch_.grey[k][lane] = batch_.usable[k][lane] = 0;
+      batch_.grey[lane][k] = batch_.usable[lane][k] = 0;
       if (x < 0 || y < 0 || x >= grey.width() || y >= grey.height()) continue;
       const std::size_t i = grey.index(x, y);
       const float own = along_x[static_cast<std::size_t>(dx + radius)] * along_y, all = std::max(model_.at(i), own);
-      batch_.grey[k][lane] = grey.over(i) - (all - own);
+      batch_.grey[lane][k] = grey.over(i) - (all - own);
       others += all - own, variance += noise_.variance(all);
-      if (!grey.saturated(i)) batch_.usable[k][lane] = noise_.variance(own) / noise_.variance(all);
+      if (!grey.saturated(i)) batch_.usable[lane][k] = noise_.variance(own) / noise_.variance(all);
     }
   }
   const float change = others - spot.others;

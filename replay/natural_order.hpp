@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// File names as people number them: frame_9 before frame_10; internal to replay/.
+// File names as people number them: frame_9 before frame_10.
 #pragma once
 
 #include <cctype>

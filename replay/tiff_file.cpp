@@ -24,7 +24,7 @@ int keep_first(TIFF*, void* user, const char*, const char* format, va_list argum
 }
 int keep_silent(TIFF*, void*, const char*, const char*, va_list) { return 1; }  // unknown private tags and the like
 
-struct Closer {
+struct TiffCloser {
   void operator()(TIFF* tiff) const noexcept { TIFFClose(tiff); }
 };
 
@@ -162,7 +162,7 @@ class TiffReader final : public ImageReader {
 
   std::filesystem::path path_;
   LibraryMessage message_;  // before tiff_, which writes to it
-  std::unique_ptr<TIFF, Closer> tiff_;
+  std::unique_ptr<TIFF, TiffCloser> tiff_;
   std::vector<Page> pages_;
   std::vector<std::byte> tile_;
 };

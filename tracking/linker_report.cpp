@@ -8,7 +8,8 @@
 namespace rptv {
 
 namespace {
-constexpr std::size_t kAhead = 16;  // rows: tracks lie in another order, and one takes as long to come as many to write
+constexpr std::size_t kRowsAhead =
+    16;  // rows: tracks lie in another order, and one takes as long to come as many to write
 }
 
 /// Whole columns at once, as push() row by row would cost as much as the search; rows beyond the capacity go through
@@ -23,7 +24,8 @@ void Linker::Work::report(const Particles& particles, std::size_t count, Tracks&
   std::size_t row = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t place = grid.place(i);
-    if (i + kAhead < count) __builtin_prefetch(&tracks[std::min<std::size_t>(grid.place(i + kAhead), max_tracks - 1)]);
+    if (i + kRowsAhead < count)
+      __builtin_prefetch(&tracks[std::min<std::size_t>(grid.place(i + kRowsAhead), max_tracks - 1)]);
     if (place == CellGrid::kNone) continue;
     const TrackState& t = tracks[place];
     const bool moved = t.age_frames > 0;

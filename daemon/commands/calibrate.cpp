@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `rapidptv calibrate`: lenslets, volume, and rigs of other programs.
+// `rapidptv calibrate`: cameras, lenslets, volume, wand, and rigs of other programs.
 #include "daemon/commands/calibrate.hpp"
 
 #include <CLI/CLI.hpp>
@@ -12,11 +12,16 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   command->require_subcommand(1);
   command->footer(
       "Examples:\n"
+      "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
       "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
       "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml\n"
+      "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml\n"
       "  rapidptv calibrate import openptv test_cavity -o rig.toml");
+  add_calibrate_cameras(*command, chosen);
   add_calibrate_lenslets(*command, chosen);
   add_calibrate_volume(*command, chosen);
+  add_calibrate_points(*command, chosen);
+  add_calibrate_wand(*command, chosen);
   add_calibrate_import(*command, chosen);
   add_calibrate_export(*command, chosen);
 }

@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "tests/acquisition/aravis_rig.hpp"
 #include "tests/acquisition/gvsp_device.hpp"
+#include "tests/acquisition/gvsp_registers.hpp"
 #include "tests/acquisition/gvsp_wire.hpp"
 
 namespace rptv {
@@ -29,6 +30,40 @@ TEST_P(AravisSourceFormats, gives_every_byte_that_the_camera_sent) {
 
 INSTANTIATE_TEST_SUITE_P(Mono, AravisSourceFormats,
                          testing::Values("Mono8", "Mono16", "Mono10p", "Mono12p", "Mono12Packed"));
+
+TEST(AravisSource, tells_what_the_camera_writes_behind_its_images) {
+  for (const char* format : {"Mono8", "Mono12p"}) {
+    GvspDevice device("127.0.20.11", {});
+    AravisSettings settings = settings_for("127.0.20.11");
+    settings.pixel_format = format;
+    settings.chunks = {"ExposureTime", "FrameID"};
+    Rig rig(settings);
+    const auto readings = [&] { return rig.status().readings; };
+    ASSERT_TRUE(rig.take_until([&] { return rig.received().images >= 20 && readings().frame > 0; }));
+    const std::uint64_t first = rig.received().first_index, number = rig.received().first;
+    ASSERT_TRUE(rig.take_until([&] { return readings().frame > first; })) << "they are read again";
+    const DeviceReadings now = readings();
+    ASSERT_EQ(now.values.size(), 2U);
+    EXPECT_EQ(now.values[0], (DeviceReadings::Value{"ExposureTime", kExposureInChunk_us}));
+    EXPECT_EQ(now.values[1].name, "FrameID");
+    EXPECT_EQ(now.values[1].value, static_cast<double>(number + now.frame - first)) << "of that very image";
+    device.rest();
+    EXPECT_TRUE(rig.settles_at(device.truth().sent)) << rig.accounted() << " of " << device.truth().sent;
+    EXPECT_EQ(rig.received().wrong, 0U);
+  }
+}
+
+TEST(AravisSource, names_a_chunk_that_the_camera_has_not) {
+  GvspDevice device("127.0.20.12", {});
+  AravisSettings settings = settings_for("127.0.20.12");
+  settings.chunks = {"Encoder"};
+  try {
+    AravisSource source(settings, 8);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("chunks = Encoder"), std::string::npos) << error.what();
+  }
+}
 
 TEST(AravisSource, loses_no_image_uncounted_when_packets_are_lost_doubled_and_swapped) {
   for (const bool answers : {true, false}) {

@@ -5,6 +5,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "tests/acquisition/gvsp_image.hpp"
@@ -87,10 +88,11 @@ void GvspDevice::send_image() {
   image.height = reg(ARV_FAKE_CAMERA_REGISTER_HEIGHT);
   image.format = reg(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT);
   image.time_ns = static_cast<std::uint64_t>(host_now_ns());
-  image.chunk = (reg(0x0d04) & 0xffffU) - 36;  // IP 20, UDP 8, GVSP 8
+  image.per_packet = (reg(0x0d04) & 0xffffU) - 36;  // IP 20, UDP 8, GVSP 8
   image.bytes.resize(std::size_t{image.width} * image.height * (image.format >> 16 & 0xffU) / 8);
   fill_image(image.bytes.data(), image.bytes.size(), last_sequence_ + ++truth_.begun);
-  image.last = static_cast<std::uint32_t>((image.bytes.size() + image.chunk - 1) / image.chunk + 1);
+  if (reg(kChunkMode) != 0) add_chunks(image);
+  image.last = static_cast<std::uint32_t>((image.bytes.size() + image.per_packet - 1) / image.per_packet + 1);
   peer_.sin_family = AF_INET;
   peer_.sin_port = htons(static_cast<std::uint16_t>(reg(0x0d00) & 0xffffU));
   peer_.sin_addr.s_addr = htonl(reg(0x0d18));
@@ -99,6 +101,26 @@ void GvspDevice::send_image() {
   send_stray(recent_.back().id);
   for (std::uint32_t k = 0; k <= recent_.back().last; ++k) send_packet(recent_.back(), k);
   ++truth_.sent;
+}
+
+// Of the number of the image and a constant exposure.
+void GvspDevice::add_chunks(Image& image) {
+  const auto end_chunk = [&](std::uint32_t id, std::size_t bytes) {
+    image.bytes.resize(image.bytes.size() + 8);
+    put32(&image.bytes[image.bytes.size() - 8], id);
+    put32(&image.bytes[image.bytes.size() - 4], bytes);
+  };
+  const auto add = [&](std::uint32_t chunk, std::uint64_t word) {
+    if (reg(kChunkEnable + 4 * chunk) == 0) return;
+    image.bytes.resize(image.bytes.size() + 8);
+    put32(&image.bytes[image.bytes.size() - 8], word >> 32);
+    put32(&image.bytes[image.bytes.size() - 4], word);
+    end_chunk(kChunkIds + chunk, 8);
+  };
+  end_chunk(1, image.bytes.size());
+  add(kFrameIdChunk, last_sequence_ + truth_.begun);
+  add(kExposureChunk, std::bit_cast<std::uint64_t>(kExposureInChunk_us));
+  image.has_chunks = true;
 }
 
 // Content type 5 is compressed video, which no camera here sends.
@@ -115,12 +137,12 @@ void GvspDevice::send(const std::vector<std::uint8_t>& packet) {
 }
 
 void GvspDevice::send_packet(const Image& image, std::uint32_t k) {
-  std::vector<std::uint8_t> packet(image.chunk + 64, 0);
+  std::vector<std::uint8_t> packet(image.per_packet + 64, 0);
   std::size_t size = 44;
   put16(&packet[2], image.id);
   put32(&packet[4], (k == 0 ? 1U : k == image.last ? 2U : 3U) << 24 | k);
   if (k == 0) {
-    put16(&packet[10], 1);
+    put16(&packet[10], image.has_chunks ? 0x4001 : 1);
     put32(&packet[12], image.time_ns >> 32);
     put32(&packet[16], image.time_ns);
     put32(&packet[20], image.format);
@@ -131,8 +153,8 @@ void GvspDevice::send_packet(const Image& image, std::uint32_t k) {
     put32(&packet[12], image.height);
     size = 16;
   } else {
-    const std::size_t offset = (k - 1) * image.chunk;
-    const std::size_t count = std::min(image.chunk, image.bytes.size() - offset);
+    const std::size_t offset = (k - 1) * image.per_packet;
+    const std::size_t count = std::min(image.per_packet, image.bytes.size() - offset);
     std::memcpy(&packet[8], &image.bytes[offset], count);
     size = count + 8;
   }

@@ -48,7 +48,8 @@ class GvspDevice {
     std::uint16_t id = 0;
     std::uint32_t width = 0, height = 0, format = 0, last = 0;
     std::uint64_t time_ns = 0;
-    std::size_t chunk = 0;
+    std::size_t per_packet = 0;
+    bool has_chunks = false;
     std::vector<std::uint8_t> bytes;
   };
   void run();
@@ -59,6 +60,7 @@ class GvspDevice {
   void follow_master();
   bool is_for_us(const std::uint8_t* action);
   void send_image();
+  void add_chunks(Image& image);
   void send_stray(std::uint16_t id);
   void send(const std::vector<std::uint8_t>& packet);
   void send_packet(const Image& image, std::uint32_t packet);

@@ -13,6 +13,10 @@ namespace rptv {
 
 inline constexpr std::uint32_t kActionDeviceKey = 0x2010, kActionSelector = 0x2014, kActionGroupKey = 0x2018,
                                kActionGroupMask = 0x201c;
+inline constexpr std::uint32_t kChunkMode = 0x2020, kChunkSelector = 0x2024, kChunkEnable = 0x2028;
+inline constexpr std::uint32_t kFrameIdChunk = 0, kExposureChunk = 1;  ///< selector, and chunk id less kChunkIds
+inline constexpr std::uint32_t kChunkIds = 0x5000;
+inline constexpr double kExposureInChunk_us = 1234.5;
 inline constexpr std::uint32_t kPtpEnable = 0x2000, kPtpStatus = 0x2004, kPtpOffset = 0x2008, kPtpLatch = 0x200c;
 
 /// A register of four bytes as the description has it.
@@ -33,6 +37,31 @@ inline std::string ptp_nodes() {
          register_node("PtpStatusRegister", kPtpStatus) + register_node("PtpOffsetFromMaster", kPtpOffset);
 }
 
+// An image behind which chunks come is a chunk itself: each has its id and its length behind it, 8 bytes.
+inline std::string chunk_nodes() {
+  const auto port = [](const std::string& name, const char* id) {
+    return "<Port Name=\"" + name + "Port\"><ChunkID>" + id + "</ChunkID></Port>\n";
+  };
+  const auto value = [](const std::string& kind, const std::string& name, int bytes) {
+    return "<" + kind + " Name=\"Chunk" + name + "\"><Address>0</Address><Length>" + std::to_string(bytes) +
+           "</Length><AccessMode>RO</AccessMode><pPort>" + name + "Port</pPort><Endianess>BigEndian</Endianess></" +
+           kind + ">\n";
+  };
+  return "<Boolean Name=\"ChunkModeActive\"><pValue>ChunkModeRegister</pValue></Boolean>\n"
+         "<Boolean Name=\"ChunkEnable\"><pValue>ChunkEnableRegister</pValue></Boolean>\n"
+         "<Enumeration Name=\"ChunkSelector\"><EnumEntry Name=\"FrameID\"><Value>0</Value></EnumEntry>"
+         "<EnumEntry Name=\"ExposureTime\"><Value>1</Value></EnumEntry><pValue>ChunkSelectorRegister</pValue>"
+         "</Enumeration>\n"
+         "<IntReg Name=\"ChunkEnableRegister\"><Address>" +
+         std::to_string(kChunkEnable) +
+         "</Address><pIndex Offset=\"4\">ChunkSelectorRegister</pIndex><Length>4</Length><AccessMode>RW</AccessMode>"
+         "<pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>\n" +
+         register_node("ChunkModeRegister", kChunkMode) + register_node("ChunkSelectorRegister", kChunkSelector) +
+         register_node("ChunkFrameIDEnabled", kChunkEnable) +
+         register_node("ChunkExposureTimeEnabled", kChunkEnable + 4) + port("FrameID", "5000") +
+         port("ExposureTime", "5001") + value("IntReg", "FrameID", 8) + value("FloatReg", "ExposureTime", 8);
+}
+
 inline std::string action_nodes() {
   return register_node("ActionDeviceKey", kActionDeviceKey) + register_node("ActionSelector", kActionSelector) +
          register_node("ActionGroupKey", kActionGroupKey) + register_node("ActionGroupMask", kActionGroupMask);
@@ -51,7 +80,12 @@ inline ArvFakeCamera* make_gvsp_registers(const std::string& serial) {
     entries += std::string("<EnumEntry Name=\"") + name + "\" NameSpace=\"Standard\"><Value>" + std::to_string(code) +
                "</Value></EnumEntry>\n";
   xml.insert(xml.find("<pValue>PixelFormatRegister</pValue>"), entries);
-  xml.insert(xml.find("<Port Name=\"Device\""), ptp_nodes() + action_nodes());
+  xml.insert(xml.find("<Port Name=\"Device\""), ptp_nodes() + action_nodes() + chunk_nodes());
+  const std::string payload = "<Formula>WIDTH * HEIGHT * ((PIXELFORMAT>>16)&amp;0xFF) / 8</Formula>";
+  xml.replace(xml.find(payload), payload.size(),
+              "<pVariable Name=\"CHUNKS\">ChunkModeRegister</pVariable><pVariable Name=\"ID\">ChunkFrameIDEnabled"
+              "</pVariable><pVariable Name=\"EXPOSURE\">ChunkExposureTimeEnabled</pVariable><Formula>WIDTH * HEIGHT * "
+              "((PIXELFORMAT>>16)&amp;0xFF) / 8 + CHUNKS * (8 + 16 * (ID + EXPOSURE))</Formula>");
   xml.insert(xml.find("<pValue>TriggerSourceRegister</pValue>"),
              "<EnumEntry Name=\"Action1\" NameSpace=\"Standard\"><Value>2</Value></EnumEntry>\n");
   const Place place;

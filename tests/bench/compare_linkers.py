@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Runs trackpy, trackpy with a polynomial solver (lsa) and rapidptv on the same points: time, and links that differ.
 
-usage: PYTHONPATH=TRACKPY compare_linkers.py BUILD [CASE...]
+usage: PYTHONPATH=TRACKPY compare_linkers.py BUILD [--without-gc] [CASE...]
 
 BUILD: a build folder of preset release, as build/release. CASE: some of those below, as walk20000_0.5, or whole; default: all.
 
-TRACKPY is a checkout of github.com/soft-matter/trackpy. CPU time of one thread; p50 and p99 of a frame's milliseconds, the
-garbage collector of Python off. A peer that needs more than a minute is stopped: "stuck". Links differ where a point has
-another predecessor. The last line compares whole processes, CSV to CSV, as seconds of CPU and MiB.
+TRACKPY is a checkout of github.com/soft-matter/trackpy. CPU time of one thread; p50 and p99 of a frame's milliseconds. Python
+collects garbage as it always does, or, for what the algorithms alone take, not at all with --without-gc. A peer that needs more
+than two minutes is stopped: "stuck". Links differ where a point has another predecessor. The last line compares whole processes, CSV to CSV, as seconds of CPU and MiB.
 """
 import ctypes
 import gc
@@ -25,8 +25,9 @@ import pandas as pd
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "tracking"), str(HERE.parents[1] / "docs/clients")]
-LIMIT_S = 60
-FRAMES = 20
+LIMIT_S = 120
+FRAMES = 50
+WITHOUT_GC = "--without-gc"
 CASES = [  # case, N, ratio, search range, predictor of ours
     ("walk", 1000, 0.1, 0.105, "none"), ("walk", 1000, 0.3, 0.315, "none"), ("walk", 1000, 0.5, 0.525, "none"),
     ("walk", 5000, 0.3, 0.315, "none"), ("walk", 5000, 0.5, 0.525, "none"), ("gauss", 1000, 0.3, 0.9, "none"),
@@ -46,7 +47,8 @@ def peer(strategy, file, search_range):
         trackpy.linking.linking.Linker.MAX_NEIGHBORS = 32
     frames = [f for _, f in points.groupby("frame")]
     times, ids = [], []
-    gc.disable()
+    if WITHOUT_GC in sys.argv:
+        gc.disable()
     if strategy.endswith("velocity"):
         known = frames[0][frames[0].known_vx != 0]
         guess = NearestVelocityPredict(known[axes].to_numpy(), known[["known_vx", "known_vy", "known_vz"]].to_numpy(), axes)
@@ -68,6 +70,7 @@ def peer(strategy, file, search_range):
 def run_peer(strategy, file, search_range):
     """(milliseconds, identities), or (None, what happened)."""
     command = [sys.executable, __file__, "--peer", strategy, str(file), str(search_range)]
+    command += [WITHOUT_GC] if WITHOUT_GC in sys.argv else []
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S)
     except subprocess.TimeoutExpired:
@@ -151,7 +154,7 @@ def main():
     print(f"{'case':5} {'N':>6} {'ratio':4} {'range':>6} {'ours':9} {'p50':>8} {'p99':>8} | {'trackpy':>8} {'p99':>8} {'ratio':>7} "
           f"{'differ':>8} | {'lsa':>8} {'p99':>8} {'ratio':>7} {'differ':>8}   (flow: links right instead of differ)")
     with tempfile.TemporaryDirectory() as folder:
-        wanted = sys.argv[2:]
+        wanted = [a for a in sys.argv[2:] if a != WITHOUT_GC]
         for case in CASES:
             if not wanted or f"{case[0]}{case[1]}_{case[2]}" in wanted:
                 compare(build, case, Path(folder))

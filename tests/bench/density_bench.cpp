@@ -18,7 +18,9 @@ namespace rptv::bench {
 namespace {
 
 constexpr double kHalfPitchMm = 0.0625, kDepthMm = 2;
-constexpr std::size_t kMostParticles = 16384;
+constexpr std::size_t kMostParticles = 4096;
+constexpr const char *kRays = "least squares", *kRefined = "grey values", *kWhole = "whole images",
+                     *kTruth = "from truth";
 
 struct Row {
   double truth = 0, found = 0, matched = 0, measured = 0;
@@ -39,10 +41,11 @@ void judge(const KnownScene& scene, const Particles& found, Row& row) {
   }
 }
 
-void reconstruct(const KnownScene& scene, bool refine, Particles& found) {
+void reconstruct(const KnownScene& scene, const std::string& way, Particles& found) {
   LightFieldSettings settings = scene.settings;
-  settings.refine = refine;
+  settings.refine = way != kRays;
   settings.refine_rounds = 8;
+  if (way == kWhole) settings.refine_search = "grey_values";
   settings.max_particles = kMostParticles;
   LightField(settings, scene.calibration, {}).reconstruct(scene.view(), found);
 }
@@ -76,11 +79,11 @@ void bench_density(std::ostream& out, const LightFieldBenchOptions&) {
          "s\n";
   for (const double depth_mm : {2.0, 6.0})
     for (const double density : {0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5})
-      for (const std::string way : {"least squares", "grey values", "from truth"}) {
+      for (const std::string way : {kRays, kRefined, kWhole, kTruth}) {
         const KnownScene scene = simulated_scene("", dense_scenario(density, depth_mm), 0);
         Particles found(kMostParticles);
         const auto start = std::chrono::steady_clock::now();
-        way == "from truth" ? fit_from_truth(scene, found) : reconstruct(scene, way == "grey values", found);
+        way == kTruth ? fit_from_truth(scene, found) : reconstruct(scene, way, found);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         Row row;
         judge(scene, found, row);

@@ -11,6 +11,7 @@
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
 #include "tests/calibration/sample_cameras.hpp"
+#include "tests/core/allocation_counter.hpp"
 
 namespace rptv {
 namespace {
@@ -114,6 +115,22 @@ TEST(CameraModel, a_point_moves_through_an_interface_without_a_jump) {
     EXPECT_NEAR((*before)[0], (*behind)[0], 1e-6);
     EXPECT_NEAR((*before)[1], (*behind)[1], 1e-6);
   }
+}
+
+TEST(CameraModel, projecting_and_looking_back_allocate_nothing) {
+  if (!AllocationCounter::kCounts) GTEST_SKIP() << "the sanitizer's allocator cannot be counted";
+  CameraIntrinsics lens = plain();
+  lens.k1 = -0.2, lens.p1 = 1e-3;
+  const CameraModel camera(lens, in_front(), tank());
+  AllocationCounter counter;
+  PixelJacobian jacobian{};
+  int seen = 0;
+  for (double x = -600; x <= 600; x += 10) {
+    seen += camera.project({x, 3, 4}, jacobian).has_value() ? 1 : 0;
+    seen += camera.ray({x, 2 * x}).valid() ? 1 : 0;
+  }
+  EXPECT_EQ(counter.disarm(), 0U);
+  EXPECT_GT(seen, 120);
 }
 
 TEST(CameraModel, grazing_light_and_total_reflection_have_no_ray) {

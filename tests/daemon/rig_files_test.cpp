@@ -41,6 +41,28 @@ TEST(RigFiles, a_rig_goes_from_opencv_to_openptv_and_back) {
   EXPECT_NEAR(before[1], after[1], 0.01);
 }
 
+TEST(RigFiles, points_of_known_place_mend_a_camera) {
+  const Place place;
+  const std::string yaml = place.write("left.yml", kYaml).string(), rig = place.file("rig.toml").string();
+  ASSERT_EQ(run_rapidptv({"calibrate", "import", "opencv", yaml, "--unit-mm", "1000", "-o", rig}).code, 0);
+  const Rig start = read_rig(rig);
+  CameraPose pose = start.cameras[0].model.pose();
+  pose.translation_mm[0] += 3;
+  const CameraModel moved(start.cameras[0].model.intrinsics(), pose);
+  std::string table = "camera,x,y,z,column,row\n";
+  for (int i = 0; i < 24; ++i) {
+    const Point3 at{-30.0 + 20 * (i % 4), -20.0 + 20 * (i / 4 % 3), i < 12 ? 0.0 : 15.0};
+    const Pixel seen = *moved.project(at);
+    table += "left," + std::to_string(at[0]) + "," + std::to_string(at[1]) + "," + std::to_string(at[2]) + "," +
+             std::to_string(seen[0]) + "," + std::to_string(seen[1]) + "\n";
+  }
+  const std::string dots = place.write("dots.csv", table).string(), fitted = place.file("fitted.toml").string();
+  const Said said = run_rapidptv({"calibrate", "points", dots, "--start", rig, "--fit", "pose", "-o", fitted});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("left         24 points, 0 left out"));
+  EXPECT_NEAR(read_rig(fitted).cameras[0].model.pose().translation_mm[0], pose.translation_mm[0], 1e-3);
+}
+
 TEST(RigFiles, says_which_file_is_missing_or_wrong) {
   const Place place;
   const auto refused = [&](std::vector<std::string> words, ExitCode code, const std::string& part) {

@@ -26,8 +26,9 @@ TEST(Encoder, gives_back_status) {
   report.cameras.resize(2);
   report.cameras[0].name = "left";
   report.cameras[0].device = {
-      DeviceState::lost, "", "", "\"gone\"", 3, {{"n_missing_packets", 4}, {"n_failures", 0}}, {}};
+      DeviceState::lost, "", "", "\"gone\"", 3, {{"n_missing_packets", 4}, {"n_failures", 0}}, {}, {}};
   report.cameras[1].device.last_outage = {2, 1234, 1'500'000'000, 150};
+  report.cameras[1].device.readings = {77, {{"ExposureTime", 500.5}, {"Line \"2\"", 1}}};
   report.cameras[1].clock = {true, -5, 1.5, 0};
   report.cameras[1].skew = {12, 1'500, 2'500, 3'500};
   Encoder encoder("s", 1, 1);
@@ -54,11 +55,15 @@ TEST(Encoder, gives_back_status) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(to_json(got.cameras[i]), to_json(report.cameras[i]));
   EXPECT_EQ(to_json(got.cameras[0]),
             R"({"name":"left","state":"lost","device":"","link":"","problem":"\"gone\"","sessions":3,"delivered":0,)"
-            R"("counters":{"n_missing_packets":4,"n_failures":0},"clock":null,"last_outage":null,"skew":null})");
+            R"("counters":{"n_missing_packets":4,"n_failures":0},"clock":null,"last_outage":null,"skew":null,)"
+            R"("readings":null})");
   EXPECT_THAT(to_json(got.cameras[1]),
               ::testing::HasSubstr(
                   R"("clock":{"offset_ns":-5,"drift_ppm":1.5,"restarts":0},"last_outage":)"
                   R"({"number":2,"first_frame":1234,"duration_ns":1500000000,"frames_due":150},"skew":{"sets":12,)"));
+  EXPECT_THAT(to_json(got.cameras[1]),
+              ::testing::HasSubstr(R"("readings":{"frame":77,"values":{"ExposureTime":500.5,"Line \"2\"":1}}})"));
+  EXPECT_THAT(to_line(got.cameras[1]), ::testing::HasSubstr(", ExposureTime 500.5, Line \"2\" 1"));
   EXPECT_THAT(to_line(got.cameras[1]), ::testing::HasSubstr(", gone for 1.5 s until frame 1234"));
   EXPECT_EQ(to_line(got.cameras[0]), "camera left lost, 0 frames, opened 3 times, n_missing_packets 4; \"gone\"");
 }

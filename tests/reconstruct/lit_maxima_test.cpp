@@ -71,9 +71,9 @@ RC_GTEST_PROP(NearPairs, are_those_of_a_plain_double_loop, ()) {
   const auto reach = *rc::gen::inRange(0, kMostReach + 1);
   std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
   std::vector<PixelIndex> sorted;
-  for (std::int32_t y = 0; y < 40; ++y)
-    for (std::int32_t x = 0; x < 60; ++x)
-      if (random() % (y / 10 % 2 == 0 ? 2 : 50) == 0) sorted.push_back({x, y});
+  for (std::int32_t y = 0; y < 24; ++y)
+    for (std::int32_t x = 0; x < 40; ++x)
+      if (random() % (y / 6 % 2 == 0 ? 2 : 50) == 0) sorted.push_back({x, y});
   std::set<std::pair<std::size_t, std::size_t>> expected, pairs;
   for (std::size_t j = 0; j < sorted.size(); ++j)
     for (std::size_t i = 0; i < j; ++i)

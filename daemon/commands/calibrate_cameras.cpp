@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// `rapidptv calibrate cameras`: images of a target by several cameras in, rig and report out.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "calibration/calibrate_cameras.hpp"
+#include "calibration/cameras_report.hpp"
+#include "core/error.hpp"
+#include "core/quote.hpp"
+#include "daemon/board_files.hpp"
+#include "daemon/commands/calibrate.hpp"
+#include "daemon/progress.hpp"
+#include "replay/colour_png.hpp"
+
+namespace rptv {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> images;
+  std::string board, output, report, pattern = "cam{camera}_{view}.*", world_view;
+  std::vector<double> glass;
+  std::vector<int> size_px;
+  bool allow_missing = false, keep_outliers = false, fit_k3 = false, fit_glass = false, json = false;
+};
+
+/// --glass DISTANCE THICKNESS INDEX LIQUID: across the first camera's axis until --fit-glass turns it.
+RefractiveStack stack_of(const std::vector<double>& glass) {
+  if (glass.empty()) return {};
+  return {{0, 0, -1}, {1.0}, {{-glass[0], {glass[2]}}, {-glass[0] - glass[1], {glass[3]}}}};
+}
+
+CameraCalibrationOptions options_of(const Options& options, const BoardSet& set) {
+  CameraCalibrationOptions result;
+  result.single.fit_k3 = options.fit_k3, result.single.drop_outliers = !options.keep_outliers;
+  result.stack = stack_of(options.glass), result.fit_stack = options.fit_glass;
+  if (options.world_view.empty()) return result;
+  const auto at = std::find(set.views.begin(), set.views.end(), options.world_view);
+  if (at == set.views.end())
+    throw Error(ExitCode::usage,
+                fmt::format("--world-view {} is none of the {} views, {} to {}", in_quotes(options.world_view),
+                            set.views.size(), set.views.front(), set.views.back()));
+  result.world_view = static_cast<std::size_t>(at - set.views.begin());
+  return result;
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  if (!stream.flush())
+    throw Error(ExitCode::io, fmt::format("{}: cannot be written; check folder, permissions and space", file.string()));
+}
+
+void write_report(const fs::path& folder, const CameraCalibration& calibration) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  write_text(folder / "report.txt", to_text(calibration));
+  write_text(folder / "report.json", to_json(calibration) + "\n");
+  write_text(folder / "residuals.csv", residual_table(calibration));
+  write_colour_png(folder / "coverage.png", draw_coverage(calibration));
+}
+
+ExitCode run(const Options& options) {
+  const Board board = read_board(options.board);
+  const auto files = find_board_files(options.images, options.pattern);
+  BoardSet set;
+  {
+    Progress progress("finding the target", files.size());
+    set = read_board_set(files, board, options.size_px, options.allow_missing, [&] { progress.advance(); });
+  }
+  const CameraCalibration calibration = calibrate_cameras(set, options_of(options, set));
+  write_rig(calibration.rig, options.output);
+  if (!options.report.empty()) write_report(options.report, calibration);
+  std::cout << (options.json ? to_json(calibration) + "\n" : to_text(calibration));
+  std::cerr << "wrote " << options.output << (options.report.empty() ? "" : " and the report in " + options.report)
+            << '\n';
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_calibrate_cameras(CLI::App& calibrate, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      calibrate.add_subcommand("cameras", "Lenses and poses of several cameras from images of a target");
+  command->add_option("images", options->images, "images, or folders of them; for measured points text files")
+      ->required();
+  command->add_option("--board", options->board, "the target (TOML)")->required();
+  command->add_option("-o,--output", options->output, "the rig (TOML)")->required();
+  command->add_option("--report", options->report, "folder for report, residuals and coverage");
+  command->add_option("--pattern", options->pattern, "how files are named: {camera}, {view}, * for anything")
+      ->capture_default_str();
+  command->add_option("--world-view", options->world_view,
+                      "the rig's frame is the target's in this view, not the first camera's");
+  command->add_flag("--allow-missing", options->allow_missing, "cameras need not have an image of each view");
+  command->add_flag("--keep-outliers", options->keep_outliers,
+                    "do not drop views that fit several times worse than others");
+  command->add_flag("--k3", options->fit_k3, "fit the sixth order of the radial distortion: wide lenses");
+  CLI::Option* glass =
+      command
+          ->add_option("--glass", options->glass,
+                       "the target stands behind a window: its DISTANCE from the first camera and THICKNESS (mm), "
+                       "refractive INDEX of the glass, and of the LIQUID")
+          ->expected(4)
+          ->allow_extra_args(false)
+          ->check(CLI::PositiveNumber);
+  command->add_flag("--fit-glass", options->fit_glass, "fit where the window is and how it is turned")->needs(glass);
+  command->add_option("--size", options->size_px, "measured points: WIDTH and HEIGHT of the images, px")
+      ->expected(2)
+      ->allow_extra_args(false)
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json, "print the report as one JSON object");
+  command->footer(
+      "Every view is one pose of the target, seen by several cameras at one moment; docs/calibration.md says how to "
+      "take\n"
+      "them. A board's file: kind = \"charuco\", columns, rows, square_mm, marker_mm, dictionary.\n\n"
+      "Examples:\n"
+      "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
+      "  rapidptv calibrate cameras left/ right/ --pattern '{camera}/{view}.png' --board board.toml -o rig.toml\n"
+      "  rapidptv calibrate cameras in_water/ --board board.toml --glass 430 6 1.46 1.333 --fit-glass -o rig.toml\n"
+      "  rapidptv calibrate cameras cube/ --pattern 'cam{camera}_{view}.txt' --board cube.toml --size 1280 1024 -o "
+      "rig.toml");
+  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace rptv
