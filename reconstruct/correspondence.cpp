@@ -18,16 +18,6 @@ constexpr double kSlack = 1.15;        // scales vary over the volume by less
 constexpr double kNoWander_px = 0.01;  // less is not worth a look at the rays
 constexpr double kMostAlong = 32;      // tolerances, where two views hardly fix a depth
 
-Point3 half_of(const Volume& volume) { return volume.to - volume.centre(); }
-
-/// Depth on `sight` where it is nearest to the line from + r·along.
-double nearest_depth(const Sight& sight, const Point3& from, const Point3& along) noexcept {
-  const Point3 apart = sight.from_mm - from;
-  const double mixed = dot(sight.along, along), square = dot(along, along);
-  return (mixed * dot(along, apart) - square * dot(sight.along, apart)) /
-         (dot(sight.along, sight.along) * square - mixed * mixed);
-}
-
 }  // namespace
 
 /// Two detections: the ray of the first, and the depth on it that the second gives.
@@ -39,7 +29,7 @@ struct Correspondence::Seed {
 
 Correspondence::Correspondence(std::span<const ViewRays> views, const Volume& volume,
                                const CorrespondenceOptions& options, InstructionSet set)
-    : options_(options), half_mm_(half_of(volume)), pencil_(options.max_detections), solver_({}, 1, set) {
+    : options_(options), half_mm_(volume.to - volume.centre()), pencil_(options.max_detections), solver_({}, 1, set) {
   if (views.size() < 2 || views.size() > kMaxViews)
     throw Error(ExitCode::configuration,
                 fmt::format("multi-view needs 2 to {} cameras and the rig has {}; correct the rig file", kMaxViews,
@@ -49,14 +39,21 @@ Correspondence::Correspondence(std::span<const ViewRays> views, const Volume& vo
                 fmt::format("multi_view.min_views = {} and the rig has {} cameras; take 2 to {}", options.min_views,
                             views.size(), views.size()));
   const double scale_mm = TupleSolver::scale_mm(volume);
-  for (const ViewRays& rays : views) views_.emplace_back(rays, options.max_detections, scale_mm);
+  for (std::size_t w = 0; w < views.size(); ++w) {
+    bool pencils = true;  // else strips are walked along epipolar lines, in either direction
+    for (std::size_t v = 0; v < w; ++v) {
+      lines_[v][w] = PencilOfLines(views[v], views[w]);
+      pencils = pencils && lines_[v][w].usable;
+    }
+    views_.emplace_back(views[w], options.max_detections, scale_mm, !pencils);
+  }
   solver_ = TupleSolver(views_, scale_mm, set);
   matches_.reserve(options.max_matches);
   next_match_.resize(options.max_matches);
   doubtful_.reserve(2 * kDltLanes * kMaxViews);
   for (std::size_t v = 0; v < views.size(); ++v) {
     first_match_[v].resize(options.max_detections);
-    for (std::size_t w = v + 1; w < views.size(); ++w) lines_[v][w] = PencilOfLines(views[v], views[w]);
+    settled_[v].resize(options.max_detections);
   }
 }
 
@@ -65,19 +62,24 @@ std::span<const ViewMatch> Correspondence::match(std::span<const Detections> see
   solver_.clear();
   work_ = 0;
   counts_.rays = counts_.pairs = counts_.tuples = 0;
-  for (std::size_t v = 0; v < views_.size(); ++v) counts_.unusable_detections += views_[v].look(seen[v]);
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    counts_.unusable_detections += views_[v].look(seen[v]);
+    std::fill_n(settled_[v].begin(), views_[v].size(), std::uint8_t{0});
+  }
   forget();
+  std::size_t settled = 0;  // matches that settle() has seen
   for (std::size_t first = 0; first + options_.min_views <= views_.size(); ++first)
     for (std::size_t second = first + 1; second + options_.min_views <= views_.size() + 1; ++second) {
       if (lines_[first][second].usable) pencil_.build(lines_[first][second], views_[second]);
       for (std::size_t i = 0; i < views_[first].size(); ++i) {
         if (work_ > kWorkPerMatch * options_.max_matches)
           ++counts_.unsearched;
-        else if (views_[first].usable(i))
+        else if (views_[first].usable(i) && settled_[first][i] == 0)
           follow(first, second, i);
       }
+      solve(true);
+      settle(std::exchange(settled, matches_.size()));
     }
-  solve(true);
   return matches_;
 }
 
@@ -105,7 +107,7 @@ void Correspondence::follow(std::size_t first, std::size_t second, std::size_t d
   const auto visit = [&](std::uint32_t found, double t) {
     ++counts_.pairs;
     ++work_;
-    if (seen_by_all(first, detection, second, found)) return;
+    if (settled_[second][found] != 0) return;
     seed.t = t;
     if (rays.wander_px() > kNoWander_px && !meets(seed, second, found, error_px)) return;
     const auto at = line.place(seed.t);
@@ -162,6 +164,7 @@ std::size_t Correspondence::ask(const Seed& seed, std::size_t view,
   std::size_t hits = 0;
   views_[view].across_u().around(at.u, at.v, reach_u, reach_v, [&](const auto& point) {
     ++work_;
+    if (settled_[view][point.number] != 0) return;
     std::array<double, 2> off{at.u - point.major, at.v - point.minor};
     if (wanders) off = miss_px(views_[view].ray(point.number), rays.axes(), place);
     if (std::abs(off[0] * v - off[1] * u) > across_px || std::abs(off[0] * u + off[1] * v) > along_px) return;
@@ -214,12 +217,15 @@ void Correspondence::accept(const ViewMatch& match) noexcept {
   }
 }
 
-// Two detections of one set of all views need no other set.
-bool Correspondence::seen_by_all(std::size_t first, std::size_t detection, std::size_t second,
-                                 std::uint32_t found) const noexcept {
-  for (std::uint32_t m = first_match_[first][detection]; m != kUnseen; m = next_match_[m][first])
-    if (matches_[m].tuple.views == views_.size() && matches_[m].tuple.detection[second] == found) return true;
-  return false;
+void Correspondence::settle(std::size_t first_match) noexcept {
+  const double square_px2 = options_.tolerance_px * options_.tolerance_px / 4;  // of a view, on average
+  for (std::size_t m = first_match; m < matches_.size(); ++m) {
+    const ViewMatch& match = matches_[m];
+    if (match.tuple.views < std::min(views_.size(), kEnough) || match.square_px2 > match.tuple.views * square_px2)
+      continue;
+    for (std::size_t v = 0; v < views_.size(); ++v)
+      if (match.tuple.detection[v] != kUnseen) settled_[v][match.tuple.detection[v]] = 1;
+  }
 }
 
 // Itself, or within a larger one.

@@ -31,12 +31,14 @@ struct CorrespondenceCounts {
 };
 
 /// A ray of the first view is followed through the images of the later ones; what is near it fixes a depth, and the
-/// other views are asked at that depth. Two detections of a listed set of all views are not followed again. Sets that
-/// do not meet are tried without each one of their views. A set within a set that meets is not listed. One thread at a
-/// time; match() allocates nothing, and its time is bounded by kWorkPerMatch · max_matches steps of some 10 ns.
+/// other views are asked at that depth. Sets that do not meet are tried without views. A set within a set that meets is
+/// not listed. A set of all views (or of kEnough) whose rms error is within half the tolerance settles its detections:
+/// later pairs of views leave them alone. One thread at a time; match() allocates nothing, and its time is bounded by
+/// kWorkPerMatch · max_matches steps of some 10 ns.
 class Correspondence {
  public:
   static constexpr std::uint64_t kWorkPerMatch = 64;
+  static constexpr std::size_t kEnough = 6;
 
   /// `views` must outlive this. Throws Error(configuration) when there are fewer than min_views, or not 2 to 16.
   Correspondence(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options,
@@ -65,7 +67,7 @@ class Correspondence {
   void propose(const ViewTuple& tuple) noexcept;
   void solve(bool all) noexcept;
   void accept(const ViewMatch& match) noexcept;
-  bool seen_by_all(std::size_t first, std::size_t detection, std::size_t second, std::uint32_t found) const noexcept;
+  void settle(std::size_t first_match) noexcept;
   bool listed(const ViewTuple& tuple) const noexcept;
 
   CorrespondenceOptions options_;
@@ -76,6 +78,7 @@ class Correspondence {
   TupleSolver solver_;
   std::vector<ViewMatch> matches_;
   std::array<std::vector<std::uint32_t>, kMaxViews> first_match_;  ///< of each detection, or kUnseen
+  std::array<std::vector<std::uint8_t>, kMaxViews> settled_;       ///< by detection
   std::vector<std::array<std::uint32_t, kMaxViews>> next_match_;   ///< of the same detection, or kUnseen
   std::vector<ViewTuple> doubtful_;  ///< sets to try that are parts of sets that do not meet
   std::uint64_t work_ = 0;

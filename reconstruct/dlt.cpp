@@ -2,6 +2,7 @@
 // The DLT on any processor, two tuples in a vector; the slow way for bad tuples; and the choice of instruction set.
 #include "reconstruct/dlt.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "reconstruct/dlt_loops.hpp"
@@ -34,17 +35,16 @@ void solve_slowly(std::span<const DltRow> rows, std::size_t lane, DltSolutions& 
   factorise(normal, factors);
   Homogeneous<double> h;
   first_step(factors, h);
-  double moved = 1, x = 0, y = 0, z = 0, w = 0;
+  double moved = 1, square = 0, x = 0, y = 0, z = 0, w = 0;
   for (int step = 0; step < kMostSteps && moved > kMoved; ++step) {
-    next_step(factors, h);
+    next_step(factors, h, square);
     const double scale = std::copysign(1 / std::hypot(std::hypot(h.x, h.y), std::hypot(h.z, h.w)), h.w);
+    square *= scale * scale;
     h.x *= scale, h.y *= scale, h.z *= scale, h.w *= scale;
     moved = std::abs(h.x - x) + std::abs(h.y - y) + std::abs(h.z - z) + std::abs(h.w - w);
     x = h.x, y = h.y, z = h.z, w = h.w;
   }
-  double residual;
-  squared_residual(rows, lane, h, residual);
-  out.x[lane] = x / w, out.y[lane] = y / w, out.z[lane] = z / w, out.s[lane] = std::sqrt(residual);
+  out.x[lane] = x / w, out.y[lane] = y / w, out.z[lane] = z / w, out.s[lane] = std::sqrt(std::max(square, 0.0));
 }
 
 Dlt::Dlt(InstructionSet set) noexcept : solve_(solve_any) {

@@ -39,7 +39,7 @@ struct Homogeneous {
 /// this one stays finite when the rays meet exactly (D's last entry is 0) and keeps the iterates' length near 1.
 template <class V>
 struct DltFactors {
-  V l10, l20, l30, l21, l31, l32, q0, q1, q2;
+  V l10, l20, l30, l21, l31, l32, q0, q1, q2, d3;
 };
 
 template <class V>
@@ -52,8 +52,8 @@ RPTV_DLT_INLINE void factorise(const DltNormal<V>& m, DltFactors<V>& f) noexcept
   const V i2 = 1.0 / (m.m22 - f.l20 * m.m02 - f.l21 * a21);
   const V a32 = m.m23 - f.l20 * m.m03 - f.l21 * a31;
   f.l32 = a32 * i2;
-  const V d3 = m.m33 - f.l30 * m.m03 - f.l31 * a31 - f.l32 * a32;
-  f.q0 = d3 * i0, f.q1 = d3 * i1, f.q2 = d3 * i2;
+  f.d3 = m.m33 - f.l30 * m.m03 - f.l31 * a31 - f.l32 * a32;
+  f.q0 = f.d3 * i0, f.q1 = f.d3 * i1, f.q2 = f.d3 * i2;
 }
 
 /// The first step of inverse iteration, from (0, 0, 0, 1): the least-squares point.
@@ -65,16 +65,19 @@ RPTV_DLT_INLINE void first_step(const DltFactors<V>& f, Homogeneous<V>& h) noexc
   h.x = -f.l30 - f.l20 * h.z - f.l10 * h.y;
 }
 
-/// One more: towards the eigenvector of the smallest eigenvalue, s².
+/// One more: towards the eigenvector of the smallest eigenvalue, s². Gives hᵀ·AᵀA·h of the new h, too, which costs
+/// little here: Lᵀ·h is what lies between the two substitutions. Rounding leaves it some 1e-16 of AᵀA's last entry.
 template <class V>
-RPTV_DLT_INLINE void next_step(const DltFactors<V>& f, Homogeneous<V>& h) noexcept {
-  const V y = h.y - f.l10 * h.x;
-  const V z = h.z - f.l20 * h.x - f.l21 * y;
-  const V w = h.w - f.l30 * h.x - f.l31 * y - f.l32 * z;
+RPTV_DLT_INLINE void next_step(const DltFactors<V>& f, Homogeneous<V>& h, V& square) noexcept {
+  const V x = h.x, y = h.y - f.l10 * x;
+  const V z = h.z - f.l20 * x - f.l21 * y;
+  const V w = h.w - f.l30 * x - f.l31 * y - f.l32 * z;
+  const V qx = f.q0 * x, qy = f.q1 * y, qz = f.q2 * z;
+  square = f.d3 * (w * w + (qx * x + qy * y + qz * z));
   h.w = w;
-  h.z = f.q2 * z - f.l32 * h.w;
-  h.y = f.q1 * y - f.l21 * h.z - f.l31 * h.w;
-  h.x = f.q0 * h.x - f.l10 * h.y - f.l20 * h.z - f.l30 * h.w;
+  h.z = qz - f.l32 * h.w;
+  h.y = qy - f.l21 * h.z - f.l31 * h.w;
+  h.x = qx - f.l10 * h.y - f.l20 * h.z - f.l30 * h.w;
 }
 
 }  // namespace rptv

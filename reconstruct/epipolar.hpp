@@ -31,6 +31,14 @@ inline bool clip(const Point3& half_mm, Sight& sight) noexcept {
   return sight.near < sight.far;
 }
 
+/// Depth on `sight` where it is nearest to the line from + r·along.
+inline double nearest_depth(const Sight& sight, const Point3& from, const Point3& along) noexcept {
+  const Point3 apart = sight.from_mm - from;
+  const double mixed = dot(sight.along, along), square = dot(along, along);
+  return (mixed * dot(along, apart) - square * dot(sight.along, apart)) /
+         (dot(sight.along, sight.along) * square - mixed * mixed);
+}
+
 /// A sight in another view's pinhole image: (p + t·q)[0, 1] / (p + t·q)[2], a straight line. With refraction the true
 /// image is up to ViewRays::wander_px() away from it.
 struct EpipolarLine {

@@ -7,11 +7,11 @@
 
 namespace rptv {
 
-SeenView::SeenView(const ViewRays& rays, std::size_t capacity, double scale_mm)
-    : rays_(&rays), scale_mm_(scale_mm), ray_(capacity), row_pair_(capacity), u_(capacity), v_(capacity) {
+SeenView::SeenView(const ViewRays& rays, std::size_t capacity, double scale_mm, bool both)
+    : rays_(&rays), scale_mm_(scale_mm), both_(both), ray_(capacity), row_pair_(capacity), u_(capacity), v_(capacity) {
   const auto& range = rays.pinhole_range();
   across_u_ = StripIndex(capacity, range);
-  across_v_ = StripIndex(capacity, {range[1], range[0], range[3], range[2]});
+  if (both) across_v_ = StripIndex(capacity, {range[1], range[0], range[3], range[2]});
 }
 
 std::size_t SeenView::look(const Detections& seen) noexcept {
@@ -38,7 +38,7 @@ std::size_t SeenView::look(const Detections& seen) noexcept {
     column[3] = -a * ray.x - b * ray.y, row[3] = -c * ray.x - d * ray.y;
   }
   across_u_.build(u_.data(), v_.data(), size_);
-  across_v_.build(v_.data(), u_.data(), size_);
+  if (both_) across_v_.build(v_.data(), u_.data(), size_);
   return lost;
 }
 

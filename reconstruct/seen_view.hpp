@@ -28,8 +28,8 @@ inline std::array<double, 2> miss_px(const SeenRay& ray, const Matrix3& axes, co
 /// Memory is taken at construction. One thread at a time.
 class SeenView {
  public:
-  /// `scale_mm` divides coordinates in rows().
-  SeenView(const ViewRays& rays, std::size_t capacity, double scale_mm);
+  /// `scale_mm` divides coordinates in rows(). `both`: across_v() is needed, too.
+  SeenView(const ViewRays& rays, std::size_t capacity, double scale_mm, bool both = true);
 
   /// Takes a frame's detections; returns how many no light from the volume can have made, or for which is no room.
   std::size_t look(const Detections& seen) noexcept;
@@ -54,6 +54,7 @@ class SeenView {
  private:
   const ViewRays* rays_;
   double scale_mm_;
+  bool both_;
   std::size_t size_ = 0;
   std::vector<SeenRay> ray_;
   std::vector<DltRowPair> row_pair_;

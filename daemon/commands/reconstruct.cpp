@@ -7,6 +7,7 @@
 
 #include "core/tables.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/reconstruct_views.hpp"
 #include "daemon/config.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
@@ -30,13 +31,15 @@ struct ReconstructOptions {
 Config resolve(const ReconstructOptions& options) {
   Config config =
       options.config.empty() ? parse_config("", "command line", options.set) : load_config(options.config, options.set);
-  if (!options.calibration.empty()) config.light_field.calibration = options.calibration;
+  std::string& calibration =
+      config.reconstruction.is_multi_view() ? config.multi_view.rig : config.light_field.calibration;
+  if (!options.calibration.empty()) calibration = options.calibration;
   if (!options.space.empty()) config.light_field.space = options.space;
   if (options.rate_hz > 0) config.replay.rate_hz = options.rate_hz;
   if (options.images.size() == 1) config.replay.path = options.images.front();
   if (options.images.empty() && config.replay.path.empty())
     throw Error(ExitCode::usage, "no images; name files or a folder, or a --config whose replay.path does");
-  if (config.light_field.calibration.empty())
+  if (calibration.empty())
     throw Error(ExitCode::usage, "no calibration; give --calibration, or a --config that names one");
   return config;
 }
@@ -46,7 +49,8 @@ ImageSequence open_images(const ReconstructOptions& options, const Config& confi
   auto cameras = open_cameras(config.replay.path, config.replay.pattern);
   if (cameras.size() != 1)
     throw Error(ExitCode::configuration,
-                fmt::format("{}: has {} cameras and a light field has one; name one camera's folder",
+                fmt::format("{}: has {} cameras and a light field has one; name one camera's folder, or set "
+                            "reconstruction.kind = \"multi_view\"",
                             config.replay.path, cameras.size()));
   return std::move(cameras.front());
 }
@@ -80,6 +84,11 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
 
 ExitCode reconstruct(const ReconstructOptions& options) {
   const Config config = resolve(options);
+  if (config.reconstruction.is_multi_view()) {
+    if (options.images.size() > 1)
+      throw Error(ExitCode::usage, "multi-view needs one folder that holds the images of all cameras; name that");
+    return reconstruct_views(config, options.output);
+  }
   const ImageSequence images = open_images(options, config);
   const std::vector<double> times = times_of(options, config, images);
   const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}});
@@ -107,12 +116,14 @@ ExitCode reconstruct(const ReconstructOptions& options) {
 
 void add_reconstruct(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<ReconstructOptions>();
-  CLI::App* command = app.add_subcommand("reconstruct", "Find particles in light-field images (images to CSV)");
+  CLI::App* command =
+      app.add_subcommand("reconstruct", "Find particles in light-field or multi-view images (images to CSV)");
   command->add_option(
       "images", options->images,
-      "PNG or TIFF files of one camera, or one folder of them; default: replay.path of the configuration");
-  command->add_option("-c,--config", options->config, "configuration (TOML) with [light_field]");
-  command->add_option("--calibration", options->calibration, "light-field calibration (TOML)");
+      "PNG or TIFF files of one camera, or one folder of them, or of all cameras of a rig; default: replay.path of the "
+      "configuration");
+  command->add_option("-c,--config", options->config, "configuration (TOML) with [light_field] or [multi_view]");
+  command->add_option("--calibration", options->calibration, "light-field calibration or rig file (TOML)");
   command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
   command->add_option("--space", options->space, "frame of reference of the points")
       ->check(CLI::IsMember({"object", "image"}));
@@ -129,6 +140,7 @@ void add_reconstruct(CLI::App& app, Action& chosen) {
       "Examples:\n"
       "  rapidptv reconstruct frames/ --calibration cal.toml --set light_field.particle_radius_um=15 -o points.csv\n"
       "  rapidptv reconstruct a.png b.png --calibration cal.toml --set light_field.min_count=30 --space image\n"
+      "  rapidptv reconstruct frames/ --set reconstruction.kind=multi_view --calibration rig.toml -o points.csv\n"
       "  rapidptv reconstruct --config rig.toml | rapidptv link - --search-range 0.5 > tracks.csv");
   command->callback([options, &chosen] { chosen = [options] { return reconstruct(*options); }; });
 }

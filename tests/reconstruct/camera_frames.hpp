@@ -2,6 +2,8 @@
 // Sets of frames made of image files or of pixels, as a source would deliver them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <deque>
 #include <filesystem>
@@ -11,6 +13,7 @@
 #include "core/frame.hpp"
 #include "reconstruct/multi_view.hpp"
 #include "replay/image_file.hpp"
+#include "tests/reconstruct/made_views.hpp"
 
 namespace rptv::testing {
 
@@ -48,5 +51,23 @@ class CameraFrames {
   std::deque<FramePool> pools_;
   FrameSet set_;
 };
+
+/// Spots of a Gaussian profile where a scene's particles are seen; frames of 1920 × 1200 px.
+inline void paint(const ViewScene& scene, CameraFrames& frames) {
+  for (std::size_t v = 0; v < scene.detections.size(); ++v) {
+    frames.fill(v, 10);
+    const Detections& seen = scene.detections[v];
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const int x0 = static_cast<int>(std::lround(seen.x_px[i])), y0 = static_cast<int>(std::lround(seen.y_px[i]));
+      for (int y = std::max(y0 - 6, 0); y <= std::min(y0 + 6, 1199); ++y)
+        for (int x = std::max(x0 - 6, 0); x <= std::min(x0 + 6, 1919); ++x) {
+          const double square = std::pow(x - seen.x_px[i], 2) + std::pow(y - seen.y_px[i], 2);
+          std::byte& pixel = frames.pixels(v)[y * 1920 + x];
+          const double grey = static_cast<double>(pixel) + 180 * std::exp(-square / (2 * 1.4 * 1.4));
+          pixel = static_cast<std::byte>(std::lround(std::min(grey, 255.0)));
+        }
+    }
+  }
+}
 
 }  // namespace rptv::testing

@@ -47,17 +47,17 @@ inline Rig make_rig(std::size_t views, bool tank = false) {
 
 /// Particles at random in a cube of half-edge `half_mm` within the volume, detected with Gaussian errors; a view misses
 /// a particle with probability `missed`. Detections of a view are shuffled.
-inline ViewScene make_scene(std::size_t views, std::size_t particles, double noise_px, double missed = 0,
-                            bool tank = false, unsigned seed = 1, double half_mm = 100) {
-  ViewScene scene{make_rig(views, tank), {{-100, -100, -100}, {100, 100, 100}}, {}, {}, {}};
+inline void look(ViewScene& scene, std::size_t particles, double noise_px, double missed, unsigned seed,
+                 double half_mm) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-half_mm, half_mm), chance(0, 1);
   std::normal_distribution<double> error(0, noise_px);
   for (std::size_t i = 0; i < particles; ++i) scene.particles.push_back({place(random), place(random), place(random)});
   scene.tuples.assign(particles, ViewTuple::none());
+  scene.detections.clear();
   std::vector<std::size_t> order(particles);
   for (std::size_t i = 0; i < particles; ++i) order[i] = i;
-  for (std::size_t v = 0; v < views; ++v) {
+  for (std::size_t v = 0; v < scene.rig.cameras.size(); ++v) {
     std::shuffle(order.begin(), order.end(), random);
     Detections& seen = scene.detections.emplace_back(particles);
     for (const std::size_t i : order) {
@@ -67,6 +67,12 @@ inline ViewScene make_scene(std::size_t views, std::size_t particles, double noi
       seen.push({(*pixel)[0] + error(random), (*pixel)[1] + error(random), noise_px, 1000, 9});
     }
   }
+}
+
+inline ViewScene make_scene(std::size_t views, std::size_t particles, double noise_px, double missed = 0,
+                            bool tank = false, unsigned seed = 1, double half_mm = 100) {
+  ViewScene scene{make_rig(views, tank), {{-100, -100, -100}, {100, 100, 100}}, {}, {}, {}};
+  look(scene, particles, noise_px, missed, seed, half_mm);
   return scene;
 }
 

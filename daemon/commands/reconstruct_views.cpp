@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Images of several cameras, instant by instant, through the multi-view stage.
+#include "daemon/commands/reconstruct_views.hpp"
+
+#include <fmt/format.h>
+
+#include <deque>
+#include <filesystem>
+#include <iostream>
+
+#include "core/tables.hpp"
+#include "daemon/progress.hpp"
+#include "daemon/session.hpp"
+#include "reconstruct/multi_view.hpp"
+#include "replay/image_sequence.hpp"
+#include "replay/timeline.hpp"
+
+namespace rptv {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The images of one instant at a time, as a source would deliver them.
+class Instants {
+ public:
+  explicit Instants(const std::vector<ImageSequence>& cameras) {
+    set_.cameras = static_cast<std::uint32_t>(cameras.size());
+    for (const ImageSequence& camera : cameras) {
+      pools_.emplace_back(1, camera.shape().bytes());
+      readers_.emplace_back(camera);
+      set_.frames[pools_.size() - 1].shape = camera.shape();
+    }
+  }
+  ~Instants() { set_.reset(); }
+  Instants(const Instants&) = delete;
+  Instants& operator=(const Instants&) = delete;
+
+  /// A camera without an image of this instant has a frame without pixels.
+  const FrameSet& load(const Timeline& timeline, std::size_t instant) {
+    for (std::size_t c = 0; c < pools_.size(); ++c) {
+      Frame& frame = set_.frames[c];
+      frame.lease.reset();
+      const std::size_t image = timeline.shots[c][instant].image;
+      if (image == Shot::kNone) continue;
+      frame.lease = pools_[c].claim();
+      readers_[c].decode(image, {frame.lease.get(), frame.shape.bytes()});
+    }
+    return set_;
+  }
+
+ private:
+  std::deque<FramePool> pools_;
+  std::deque<ImageSequence::Reader> readers_;
+  FrameSet set_;
+};
+
+void tell(const MultiView& stage, std::size_t instants, std::uint64_t particles) {
+  const MultiViewCounts& n = stage.counts();
+  const CorrespondenceCounts& c = stage.correspondence_counts();
+  std::cerr << fmt::format("reconstructed {} of {} instants: {} particles\n", n.frames, instants, particles);
+  if (n.refused_views > 0)
+    std::cerr << fmt::format("{} images were missing or unusable; {} instants had too few views\n", n.refused_views,
+                             n.too_few_views);
+  if (n.refused_detections > 0)
+    std::cerr << fmt::format(
+        "{} particle images were left out: raise multi_view.detector.threshold or "
+        "multi_view.detector.max_detections\n",
+        n.refused_detections);
+  if (c.refused_matches + c.unsearched > 0)
+    std::cerr << fmt::format(
+        "{} sets of particle images were left out, {} rays were not followed: lower "
+        "multi_view.tolerance_px or raise multi_view.max_matches\n",
+        c.refused_matches, c.unsearched);
+  if (n.refused_particles > 0)
+    std::cerr << fmt::format("{} particles were left out: raise multi_view.max_particles\n", n.refused_particles);
+}
+
+}  // namespace
+
+ExitCode reconstruct_views(const Config& config, const std::string& output) {
+  const auto cameras = open_cameras(config.replay.path, config.replay.pattern);
+  const bool timed = config.replay.rate_hz > 0 || fs::exists(fs::path(config.replay.path) / "frames.csv");
+  const Timeline timeline = make_timeline(config.replay.path, cameras, timed ? config.replay.rate_hz : 1, -1);
+  std::vector<CameraInfo> infos;
+  for (const ImageSequence& camera : cameras)
+    infos.push_back({camera.camera(), camera.shape(), camera.significant_bits()});
+  const auto stage = make_reconstructor(config, infos);
+  PointsWriter points(output, {.covariance = true, .ghost = true, .time = timed});
+  Particles particles(config.max_particles());
+  Instants instants(cameras);
+  std::uint64_t total = 0;
+  Progress progress("reconstructing", timeline.instants());
+  for (std::size_t i = 0; i < timeline.instants(); ++i, progress.advance()) {
+    stage->reconstruct(instants.load(timeline, i), particles);
+    const double t_s = timed ? static_cast<double>(timeline.shots.front()[i].time_ns) * 1e-9 : kNoTime;
+    points.write(timeline.index[i], t_s, particles);
+    total += particles.size();
+  }
+  points.close();
+  tell(dynamic_cast<const MultiView&>(*stage), timeline.instants(), total);
+  return ExitCode::ok;
+}
+
+}  // namespace rptv

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Four cameras from image files to tables, by the real binary: `run` and `reconstruct` give the same points.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/points_table.hpp"
+#include "tests/daemon/run_binary.hpp"
+#include "tests/proto/place.hpp"
+#include "tests/reconstruct/camera_frames.hpp"
+
+namespace rptv {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Two frames of four cameras in a folder, the rig, and the configuration that replays them.
+class PaintedRecording {
+ public:
+  PaintedRecording() {
+    testing::ViewScene scene = testing::make_scene(4, 40, 0);
+    std::filesystem::create_directory(place_.file("frames"));
+    for (int frame = 0; frame < 2; ++frame) {
+      testing::paint(scene, frames_);
+      for (std::size_t c = 0; c < 4; ++c)
+        write_png(place_.file("frames/cam" + std::to_string(c) + "_" + std::to_string(frame) + ".png"),
+                  frames_.set().frames[c].view());
+    }
+    for (std::size_t c = 0; c < 4; ++c) scene.rig.cameras[c].name = "cam" + std::to_string(c);
+    write_rig(scene.rig, place_.file("cameras.toml"));
+    place_.write("run.toml",
+                 "[replay]\npath = \"frames\"\nrate_hz = 100.0\nspeed = 0.0\n"
+                 "[intake]\npolicy = \"lossless\"\n[reconstruction]\nkind = \"multi_view\"\n"
+                 "[multi_view]\nrig = \"cameras.toml\"\nmax_particles = 1000\n"
+                 "[publisher]\nendpoint = \"" +
+                     place_.ipc() + "\"\n");
+  }
+  std::string file(const std::string& name) const { return place_.file(name); }
+
+ private:
+  Place place_;
+  testing::CameraFrames frames_{{1920, 1200, 1}, 4};
+};
+
+std::vector<double> depths(const std::string& file) {
+  PointsReader reader(file);
+  std::vector<double> depths;
+  for (PointFrame frame; reader.next(frame);)
+    for (const PointRow& point : frame.points) depths.push_back(point.z_mm);
+  return depths;
+}
+
+TEST(MultiViewRun, gives_the_points_that_reconstruct_gives) {
+  const PaintedRecording recording;
+  const auto check = testing::run_rapidptv({"check", "--config", recording.file("run.toml")});
+  EXPECT_EQ(check.code, 0) << check.out << check.err;
+  const auto run =
+      testing::run_rapidptv({"run", "--config", recording.file("run.toml"), "--points", recording.file("run.csv")});
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto table =
+      testing::run_rapidptv({"reconstruct", "--config", recording.file("run.toml"), "-o", recording.file("table.csv")});
+  EXPECT_EQ(table.code, 0) << table.err;
+  EXPECT_THAT(table.err, HasSubstr("reconstructed 2 of 2 instants"));
+  EXPECT_GT(depths(recording.file("run.csv")).size(), 70U);
+  EXPECT_EQ(depths(recording.file("run.csv")), depths(recording.file("table.csv")));
+
+  std::filesystem::remove(recording.file("frames/cam2_1.png"));
+  const auto less =
+      testing::run_rapidptv({"reconstruct", "--config", recording.file("run.toml"), "-o", recording.file("less.csv")});
+  EXPECT_EQ(less.code, 0) << less.err;
+  EXPECT_THAT(less.err, HasSubstr("1 images were missing"));
+  EXPECT_GT(depths(recording.file("less.csv")).size(), 60U);
+}
+
+TEST(MultiViewRun, of_one_light_field_says_which_key_to_set) {
+  const PaintedRecording recording;
+  const auto said = testing::run_rapidptv(
+      {"run", "--config", recording.file("run.toml"), "--set", "reconstruction.kind=light_field"});
+  EXPECT_EQ(said.code, 78);
+  EXPECT_THAT(said.err,
+              HasSubstr("the source has 4; give one camera's folder as its path, or set reconstruction.kind"));
+}
+
+}  // namespace
+}  // namespace rptv
