@@ -8,7 +8,7 @@
 #include <regex>
 #include <set>
 
-#include "calibration/board_image.hpp"
+#include "calibration/cameras/board_image.hpp"
 #include "core/error.hpp"
 #include "core/quote.hpp"
 #include "replay/image_file.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "calibration/board.hpp"
-#include "calibration/board_views.hpp"
+#include "calibration/cameras/board.hpp"
+#include "calibration/cameras/board_views.hpp"
 
 namespace rptv {
 

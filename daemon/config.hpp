@@ -13,8 +13,8 @@
 #include "acquisition/v4l2_settings.hpp"
 #include "core/settings.hpp"
 #include "daemon/publisher.hpp"
-#include "reconstruct/light_field_settings.hpp"
-#include "reconstruct/multi_view_settings.hpp"
+#include "reconstruct/light_field/light_field_settings.hpp"
+#include "reconstruct/multi_view/multi_view_settings.hpp"
 #include "replay/replay_settings.hpp"
 #include "tracking/linker_settings.hpp"
 

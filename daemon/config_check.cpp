@@ -12,8 +12,8 @@
 #include <optional>
 #include <system_error>
 
-#include "calibration/light_field_calibration.hpp"
-#include "calibration/rig.hpp"
+#include "calibration/cameras/rig.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "core/json.hpp"
 #include "core/losses.hpp"
 #include "daemon/config.hpp"

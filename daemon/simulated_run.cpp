@@ -9,7 +9,7 @@
 #include <future>
 #include <optional>
 
-#include "calibration/light_field_calibration.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "core/clock.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/simulated_files.hpp"

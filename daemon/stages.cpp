@@ -6,12 +6,12 @@
 #include "acquisition/aravis_source.hpp"
 #endif
 #include "acquisition/v4l2_source.hpp"
-#include "calibration/light_field_calibration.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "core/error.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
-#include "reconstruct/light_field.hpp"
-#include "reconstruct/multi_view.hpp"
+#include "reconstruct/light_field/light_field.hpp"
+#include "reconstruct/multi_view/multi_view.hpp"
 #include "replay/image_file.hpp"
 #include "replay/replay_source.hpp"
 

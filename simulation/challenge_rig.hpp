@@ -2,7 +2,7 @@
 // The cameras of a multi-view scenario; among them those of the first Lagrangian particle tracking challenge.
 #pragma once
 
-#include "calibration/rig.hpp"
+#include "calibration/cameras/rig.hpp"
 #include "simulation/scenario.hpp"
 
 namespace rptv {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/brown_distortion.hpp"
+#include "calibration/cameras/brown_distortion.hpp"
 #include "calibration/space.hpp"
 
 namespace rptv {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/light_field_calibration.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "simulation/lenslet_array.hpp"
 #include "simulation/main_lens.hpp"
 #include "simulation/scenario.hpp"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "calibration/camera_model.hpp"
+#include "calibration/cameras/camera_model.hpp"
 #include "core/image.hpp"
 #include "simulation/exposure.hpp"
 #include "simulation/scenario.hpp"

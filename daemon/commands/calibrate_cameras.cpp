@@ -7,8 +7,8 @@
 #include <fstream>
 #include <iostream>
 
-#include "calibration/calibrate_cameras.hpp"
-#include "calibration/cameras_report.hpp"
+#include "calibration/cameras/calibrate_cameras.hpp"
+#include "calibration/cameras/cameras_report.hpp"
 #include "core/error.hpp"
 #include "core/quote.hpp"
 #include "daemon/board_files.hpp"

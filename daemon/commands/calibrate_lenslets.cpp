@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <iostream>
 
-#include "calibration/calibrate_lenslets.hpp"
-#include "calibration/calibration_figures.hpp"
-#include "calibration/lenslet_report.hpp"
+#include "calibration/light_field/calibrate_lenslets.hpp"
+#include "calibration/light_field/calibration_figures.hpp"
+#include "calibration/light_field/lenslet_report.hpp"
 #include "daemon/commands/calibrate.hpp"
 #include "daemon/progress.hpp"
 #include "replay/colour_png.hpp"

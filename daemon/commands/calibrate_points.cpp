@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "calibration/known_points.hpp"
+#include "calibration/cameras/known_points.hpp"
 #include "core/json.hpp"
 #include "daemon/commands/calibrate.hpp"
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <iostream>
 
-#include "calibration/opencv_yaml.hpp"
-#include "calibration/openptv.hpp"
+#include "calibration/cameras/opencv_yaml.hpp"
+#include "calibration/cameras/openptv.hpp"
 #include "core/json.hpp"
 #include "daemon/commands/calibrate.hpp"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "calibration/fit_volume.hpp"
+#include "calibration/light_field/fit_volume.hpp"
 #include "core/json.hpp"
 #include "daemon/commands/calibrate.hpp"
 

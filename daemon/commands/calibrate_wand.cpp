@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <iostream>
 
-#include "calibration/wand.hpp"
+#include "calibration/cameras/wand.hpp"
 #include "core/error.hpp"
 #include "core/json.hpp"
 #include "daemon/board_files.hpp"

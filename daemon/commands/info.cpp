@@ -9,7 +9,7 @@
 #include <set>
 #include <thread>
 
-#include "calibration/light_field_calibration.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "daemon/commands/command.hpp"
 #include "proto/wire.hpp"
 #include "replay/image_file.hpp"

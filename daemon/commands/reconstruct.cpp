@@ -11,7 +11,7 @@
 #include "daemon/config.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
-#include "reconstruct/light_field.hpp"
+#include "reconstruct/light_field/light_field.hpp"
 #include "replay/image_sequence.hpp"
 #include "replay/timeline.hpp"
 

@@ -11,7 +11,7 @@
 #include "core/tables.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
-#include "reconstruct/multi_view.hpp"
+#include "reconstruct/multi_view/multi_view.hpp"
 #include "replay/image_sequence.hpp"
 #include "replay/timeline.hpp"
 

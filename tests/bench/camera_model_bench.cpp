@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calibration/camera_model.hpp"
+#include "calibration/cameras/camera_model.hpp"
 
 namespace rptv {
 namespace {

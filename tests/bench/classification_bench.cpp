@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "reconstruct/classify_dbscan.hpp"
+#include "reconstruct/light_field/classify_dbscan.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/dbscan_peers.hpp"
 #include "tests/bench/light_field_bench.hpp"

@@ -7,11 +7,11 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "reconstruct/coarse_maxima.hpp"
+#include "reconstruct/light_field/coarse_maxima.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/bench/timing_case.hpp"
-#include "tests/reconstruct/ray_count_oracle.hpp"
+#include "tests/reconstruct/light_field/ray_count_oracle.hpp"
 
 namespace rptv::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The peers of reconstruct/classify_dbscan.
+// The peers of reconstruct/light_field/classify_dbscan.
 #include "tests/bench/dbscan_peers.hpp"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstruct/voxel_cloud.hpp"
+#include "reconstruct/light_field/voxel_cloud.hpp"
 
 namespace rptv::bench {
 

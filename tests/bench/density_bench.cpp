@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "reconstruct/shake.hpp"
+#include "reconstruct/light_field/shake.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/bench/light_field_scene.hpp"
 

@@ -7,10 +7,10 @@
 #include <iostream>
 #include <opencv2/imgproc.hpp>
 
-#include "reconstruct/detector.hpp"
-#include "reconstruct/lit_maxima.hpp"
+#include "reconstruct/detection/detector.hpp"
+#include "reconstruct/detection/lit_maxima.hpp"
 #include "tests/bench/contest.hpp"
-#include "tests/reconstruct/painted_spots.hpp"
+#include "tests/reconstruct/detection/painted_spots.hpp"
 
 namespace rptv::bench {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "reconstruct/dlt.hpp"
+#include "reconstruct/multi_view/dlt.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/views_bench.hpp"
 #include "tests/core/instruction_sets.hpp"

@@ -5,14 +5,14 @@
 #include <iomanip>
 #include <ostream>
 
-#include "reconstruct/coarse_maxima.hpp"
-#include "reconstruct/light_field.hpp"
-#include "reconstruct/light_field_volume.hpp"
+#include "reconstruct/light_field/coarse_maxima.hpp"
+#include "reconstruct/light_field/light_field.hpp"
+#include "reconstruct/light_field/light_field_volume.hpp"
+#include "reconstruct/light_field/pixels_to_rays.hpp"
 #include "reconstruct/lit_pixels.hpp"
-#include "reconstruct/pixels_to_rays.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/light_field_bench.hpp"
-#include "tests/reconstruct/painted_image.hpp"
+#include "tests/reconstruct/light_field/painted_image.hpp"
 #include "tests/reconstruct/shared_data.hpp"
 
 namespace rptv::bench {

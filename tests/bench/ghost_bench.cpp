@@ -7,7 +7,7 @@
 #include <iomanip>
 #include <ostream>
 
-#include "reconstruct/ghost_probability.hpp"
+#include "reconstruct/light_field/ghost_probability.hpp"
 #include "tests/bench/light_field_bench.hpp"
 #include "tests/bench/light_field_scene.hpp"
 

@@ -3,10 +3,10 @@
 #include "tests/bench/light_field_scene.hpp"
 
 #include "core/csv.hpp"
-#include "reconstruct/light_field_volume.hpp"
-#include "reconstruct/pixels_to_rays.hpp"
+#include "reconstruct/light_field/light_field_volume.hpp"
+#include "reconstruct/light_field/pixels_to_rays.hpp"
 #include "simulation/render_light_field.hpp"
-#include "tests/calibration/traced_set.hpp"
+#include "tests/calibration/light_field/traced_set.hpp"
 
 namespace rptv::bench {
 

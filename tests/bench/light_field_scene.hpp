@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/particles.hpp"
-#include "reconstruct/cramer_rao.hpp"
-#include "reconstruct/light_field.hpp"
-#include "reconstruct/shake_options.hpp"
+#include "reconstruct/light_field/cramer_rao.hpp"
+#include "reconstruct/light_field/light_field.hpp"
+#include "reconstruct/light_field/shake_options.hpp"
 #include "simulation/scenario.hpp"
 
 namespace rptv::bench {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "reconstruct/correspondence.hpp"
-#include "reconstruct/view_fit.hpp"
-#include "reconstruct/view_ghosts.hpp"
+#include "reconstruct/multi_view/correspondence.hpp"
+#include "reconstruct/multi_view/view_fit.hpp"
+#include "reconstruct/multi_view/view_ghosts.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/views_bench.hpp"
-#include "tests/reconstruct/made_views.hpp"
+#include "tests/reconstruct/multi_view/made_views.hpp"
 
 namespace rptv::bench {
 

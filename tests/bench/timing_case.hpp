@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstruct/ray_count_kernel.hpp"
+#include "reconstruct/light_field/ray_count_kernel.hpp"
 
 namespace rptv::bench {
 

@@ -4,10 +4,10 @@
 
 #include <fstream>
 
-#include "calibration/rig.hpp"
+#include "calibration/cameras/rig.hpp"
 #include "core/error.hpp"
 #include "replay/image_file.hpp"
-#include "tests/calibration/board_rig.hpp"
+#include "tests/calibration/cameras/board_rig.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/proto/place.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "calibration/object_map.hpp"
+#include "calibration/light_field/object_map.hpp"
 #include "core/error.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/daemon/small_run.hpp"

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "core/csv.hpp"
-#include "reconstruct/light_field.hpp"
+#include "reconstruct/light_field/light_field.hpp"
 #include "simulation/score_report.hpp"
 #include "tests/reconstruct/shared_data.hpp"
 #include "tracking/linker.hpp"

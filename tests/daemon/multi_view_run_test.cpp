@@ -6,7 +6,7 @@
 #include "core/points_table.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/proto/place.hpp"
-#include "tests/reconstruct/camera_frames.hpp"
+#include "tests/reconstruct/multi_view/camera_frames.hpp"
 
 namespace rptv {
 namespace {

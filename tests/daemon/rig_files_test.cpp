@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "calibration/rig.hpp"
+#include "calibration/cameras/rig.hpp"
 #include "core/error.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/proto/place.hpp"

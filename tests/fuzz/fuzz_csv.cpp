@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "calibration/correspondences.hpp"
+#include "calibration/light_field/correspondences.hpp"
 #include "core/error.hpp"
 #include "core/tables.hpp"
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "calibration/openptv.hpp"
-#include "calibration/rig.hpp"
+#include "calibration/cameras/openptv.hpp"
+#include "calibration/cameras/rig.hpp"
 #include "core/error.hpp"
 #include "simulation/lpt_points.hpp"
 

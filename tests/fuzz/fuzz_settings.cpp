@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "calibration/light_field_calibration.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "core/error.hpp"
 #include "daemon/config.hpp"
 #include "simulation/lens_analysis.hpp"

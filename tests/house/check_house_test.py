@@ -16,7 +16,7 @@ class House(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
         for header in ["core/frame.hpp", "acquisition/source.hpp", "acquisition/intake.hpp", "tracking/linker.hpp",
-                       "proto/encode.hpp", "calibration/rig.hpp"]:
+                       "proto/encode.hpp", "calibration/cameras/rig.hpp"]:
             self.write(header, HEAD)
 
     def write(self, name, text):
@@ -49,8 +49,8 @@ class House(unittest.TestCase):
         self.expect("tracking/linker.cpp:4:", "tracking/ may not include acquisition/intake.hpp")
 
     def test_finds_core_that_looks_up(self):
-        self.write("core/frame.cpp", HEAD + "#include <calibration/rig.hpp>\n")
-        self.expect("core/ may not include calibration/rig.hpp")
+        self.write("core/frame.cpp", HEAD + "#include <calibration/cameras/rig.hpp>\n")
+        self.expect("core/ may not include calibration/cameras/rig.hpp")
 
     def test_finds_replay_beyond_the_source_seam(self):
         self.write("replay/replay_source.cpp", HEAD + '#include "acquisition/intake.hpp"\n')
@@ -70,11 +70,11 @@ class House(unittest.TestCase):
         self.expect("core/frame.cpp:3:", "not a path from the root")
 
     def test_finds_cuda_outside_its_doors(self):
-        self.write("reconstruct/light_field.cpp", HEAD + "#include <cuda_runtime.h>\n")
+        self.write("reconstruct/light_field/light_field.cpp", HEAD + "#include <cuda_runtime.h>\n")
         self.expect("CUDA header", "light_field.cpp:3:")
-        self.write("reconstruct/light_field.cpp", HEAD + "void f() { cudaMalloc (nullptr, 0); }\n")
+        self.write("reconstruct/light_field/light_field.cpp", HEAD + "void f() { cudaMalloc (nullptr, 0); }\n")
         self.expect("CUDA code")
-        self.write("reconstruct/light_field.cpp", HEAD)
+        self.write("reconstruct/light_field/light_field.cpp", HEAD)
         self.write("tracking/linker_cuda.cu", HEAD)
         self.expect("CUDA source outside")
 

@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "core/clock.hpp"
-#include "reconstruct/light_field.hpp"
+#include "reconstruct/light_field/light_field.hpp"
 #include "tests/core/allocation_counter.hpp"
-#include "tests/reconstruct/small_scene.hpp"
+#include "tests/reconstruct/light_field/small_scene.hpp"
 
 namespace rptv {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "calibration/rig.hpp"
+#include "calibration/cameras/rig.hpp"
 #include "replay/image_file.hpp"
 #include "simulation/challenge_rig.hpp"
 #include "simulation/lpt_points.hpp"

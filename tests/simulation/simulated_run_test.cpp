@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "calibration/light_field_calibration.hpp"
+#include "calibration/light_field/light_field_calibration.hpp"
 #include "core/csv.hpp"
 #include "core/error.hpp"
 #include "daemon/config.hpp"

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// The light-field chain, one step a line.
+#include "reconstruct/light_field/light_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "calibration/light_field/object_map.hpp"
+#include "reconstruct/light_field/classify_dbscan.hpp"
+#include "reconstruct/light_field/classify_local_maxima.hpp"
+#include "reconstruct/light_field/coarse_maxima.hpp"
+#include "reconstruct/light_field/dense_search.hpp"
+#include "reconstruct/light_field/ghost_probability.hpp"
+#include "reconstruct/light_field/light_field_volume.hpp"
+#include "reconstruct/light_field/pixels_to_rays.hpp"
+#include "reconstruct/lit_pixels.hpp"
+#include "reconstruct/parallel.hpp"
+#include "reconstruct/running_background.hpp"
+
+namespace rptv {
+
+namespace {
+
+ImageShape shape_of(const LightFieldCalibration& calibration) {
+  return {static_cast<std::uint32_t>(calibration.sensor.width_px),
+          static_cast<std::uint32_t>(calibration.sensor.height_px), 2};
+}
+
+std::array<std::int32_t, 3> half_widths(const std::vector<double>& radius_um, const VoxelGrid& grid) {
+  const auto voxels = [](double um, float step_mm) {
+    return static_cast<std::int32_t>(std::clamp(um * 1e-3 / step_mm, 1.0, 64.0));
+  };
+  return {voxels(radius_um.at(0), grid.step_x_mm), voxels(radius_um.at(1), grid.step_y_mm),
+          voxels(radius_um.at(2), grid.step_z_mm)};
+}
+
+double per_pupil_distance(const LightFieldCalibration& calibration) {
+  return calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0;
+}
+
+}  // namespace
+
+struct LightField::Stages {
+  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background);
+
+  const DarkPixels& now_dark() const noexcept { return learner ? learner->dark() : dark; }
+  void find_candidates(bool first_round) noexcept;
+  bool cloud_is_dense() const noexcept;
+  void find_particles(std::size_t lit_pixels) noexcept;
+  std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
+  void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
+  void find_overlapping(const ImageView& image) noexcept;
+  void write(Particles& out) const noexcept;
+
+  const LightFieldSettings settings;
+  const ImageShape shape;
+  const DarkPixels dark;  // at the start
+  const LensletLattice lattice;
+  const PixelsToRays pixels_to_rays;
+  const RayWindow window;
+  const VoxelGrid grid;
+  const std::uint16_t min_count;
+  const std::array<std::int32_t, 3> maximum_half_width;
+  const ObjectMap object_map;
+  const bool in_object_space;
+
+  std::vector<std::uint32_t> lit;
+  Rays rays;
+  RayCounter counter;
+  std::optional<CoarseMaxima> coarse_maxima;  // or else cloud and dbscan
+  VoxelCloud cloud;
+  Dbscan dbscan;
+  std::vector<Candidate> candidates;
+  ExplainAway explain_away;
+  std::unique_ptr<RunningBackground> learner;  // with settings.running_background
+  std::unique_ptr<Shake> shake;                // with settings.refine
+  std::unique_ptr<DenseSearch> dense_search;   // with settings.refine_search = "grey_values"
+  std::vector<FittedParticle> particles;
+  bool dense = true;  // the first round decides for the frame
+  LightFieldCounts counts;
+};
+
+LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration,
+                           const ImageView& background)
+    : settings(s),
+      shape(shape_of(calibration)),
+      dark(make_dark({s.background, s.threshold, s.background_image}, shape, background)),
+      lattice(calibration),
+      pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
+      window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
+      grid(make_grid(s, calibration, pixels_to_rays.slope_half_range())),
+      min_count(make_min_count(s, calibration)),
+      maximum_half_width(half_widths(s.maximum_radius_um, grid)),
+      object_map(calibration),
+      in_object_space(s.space == "object"),
+      lit(static_cast<std::size_t>(s.max_rays)),
+      rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
+      counter(grid, static_cast<std::size_t>(s.max_rays), thread_count(s.threads)),
+      cloud(static_cast<std::size_t>(s.max_candidates)),
+      dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
+             static_cast<std::size_t>(s.dbscan_min_points)),
+      explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
+  if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
+  candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
+  particles.reserve(static_cast<std::size_t>(s.max_particles));
+  if (s.running_background)
+    learner = std::make_unique<RunningBackground>(
+        shape, dark, s.noise_grey, background.data != nullptr,
+        RunningBackgroundOptions{s.threshold, s.threshold_sigmas, s.background_frames});
+  if (!s.refine) return;
+  const ShakeOptions options =
+      make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count));
+  shake = std::make_unique<Shake>(calibration, lattice, options);
+  if (s.refine_search == "grey_values") dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
+}
+
+bool LightField::Stages::cloud_is_dense() const noexcept {
+  if (settings.classification != "auto") return settings.classification == "local_maxima";
+  const double voxels = static_cast<double>(grid.size_x) * grid.size_y * grid.planes;
+  return static_cast<double>(cloud.voxels().size()) > settings.density_limit * voxels;
+}
+
+void LightField::Stages::find_candidates(bool first_round) noexcept {
+  candidates.clear();
+  if (coarse_maxima) {
+    counts.refused_candidates += coarse_maxima->find(counter, min_count, candidates);
+  } else {
+    counts.refused_candidates += cloud.collect(counter);
+    if (first_round) dense = cloud_is_dense();
+    counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
+                                       : dbscan.classify(counter, cloud, candidates);
+  }
+  counts.candidates += candidates.size();
+}
+
+// Appends what the first `lit_pixels` of `lit` show.
+void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
+  counts.refused_pixels += pixels_to_rays.convert({lit.data(), lit_pixels}, rays);  // eq. (5)
+  explain_away.begin(rays);
+  for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
+    counter.count(rays, explain_away.taken(), min_count);  // eq. (6), (7)
+    find_candidates(round == 0);
+    ++counts.rounds;
+    if (explain_away.explain(rays, candidates) == 0) break;
+  }
+  explain_away.settle(rays);
+  counts.refused_particles += explain_away.refused();
+  for (const auto& found : explain_away.particles()) {
+    if (particles.size() == particles.capacity())
+      ++counts.refused_particles;
+    else
+      particles.push_back(found);
+  }
+}
+
+// Those lit pixels that particles leave above the threshold, and well above the shot noise of what they do explain.
+std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcept {
+  constexpr float kSigmas = 4;
+  const auto threshold = static_cast<float>(settings.threshold);
+  const auto end = std::remove_if(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit_pixels), [&](auto pixel) {
+    const float noise = std::sqrt(shake->explained(pixel) / static_cast<float>(settings.electrons_per_grey));
+    return shake->unexplained(pixel) < threshold + kSigmas * noise;
+  });
+  return static_cast<std::size_t>(end - lit.begin());
+}
+
+void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
+  shake->begin(image, now_dark().mean);
+  if (dense_search) return find_overlapping(image);
+  particles.resize(shake->refine(particles, 0));
+  for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
+    lit_pixels = keep_unexplained(lit_pixels);
+    const std::size_t known = particles.size();
+    find_particles(lit_pixels);
+    if (particles.size() == known) break;
+    particles.resize(shake->refine(particles, known));
+  }
+  std::sort(particles.begin(), particles.end(),
+            [](const FittedParticle& a, const FittedParticle& b) { return a.support > b.support; });
+}
+
+// Rays only show how bright a particle is.
+void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
+  dense_search->begin(image, now_dark().mean);
+  const auto found = dense_search->find(particles);
+  particles.clear();
+  for (const auto& p : found) {
+    particles.emplace_back();
+    particles.back().at = p.at, particles.back().light = p.light;
+  }
+  particles.resize(shake->describe(particles));
+  counts.refused_candidates += dense_search->refused_hits();
+  counts.refused_particles += dense_search->refused();
+}
+
+void LightField::Stages::write(Particles& out) const noexcept {
+  for (const auto& found : particles) {
+    const auto& c = found.covariance;
+    Point3 at{found.at.x, found.at.y, found.at.z};
+    Covariance covariance{c.xx, c.xy, c.xz, c.yy, c.yz, c.zz};
+    if (in_object_space) {
+      covariance = object_map.to_object(covariance, object_map.jacobian(at));
+      at = object_map.to_object(at);
+    }
+    out.push({at[0], at[1], at[2], found.residual_mm, found.support, covariance,
+              shake ? found.ghost : ghost_probability_by_support(found.support / min_count)});
+  }
+}
+
+LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
+                       const ImageView& background) {
+  check_choices(settings);
+  calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
+  stages_ = std::make_unique<Stages>(settings, calibration, background);
+}
+
+LightField::~LightField() = default;
+std::span<const FittedParticle> LightField::fitted() const noexcept { return stages_->particles; }
+const LightFieldCounts& LightField::counts() const noexcept { return stages_->counts; }
+std::uint16_t LightField::min_count() const noexcept { return stages_->min_count; }
+
+void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
+  if (frames.cameras == 1 && !frames.info().torn) return reconstruct(frames.frames[0].view(), out);
+  out.clear();
+  ++stages_->counts.refused_frames;
+}
+
+void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
+  auto& s = *stages_;
+  out.clear();
+  if (image.data == nullptr || image.shape.width_px != s.shape.width_px || image.shape.height_px != s.shape.height_px) {
+    ++s.counts.refused_frames;
+    return;
+  }
+  if (s.learner) s.learner->refresh();
+  const std::size_t lit = find_lit_pixels(image, s.now_dark().limit, s.lit);
+  s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
+  s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
+  s.particles.clear();
+  s.find_particles(std::min(lit, s.lit.size()));
+  s.counts.rays = s.rays.size;
+  if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
+  s.write(out);
+  if (s.learner) s.learner->offer(image);
+  ++s.counts.frames;
+}
+
+}  // namespace rptv

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// From marks to voxels.
+#include "reconstruct/light_field/voxel_cloud.hpp"
+
+#include <bit>
+#include <cmath>
+
+namespace rptv {
+
+Candidate candidate_at(const RayCounter& counter, double x, double y, double z) noexcept {
+  const auto& grid = counter.grid();
+  const auto near_x = static_cast<std::int32_t>(std::lround(x)), near_y = static_cast<std::int32_t>(std::lround(y));
+  std::uint32_t rays = 0;
+  for (std::int32_t j = near_y - 1; j <= near_y + 1; ++j)
+    for (std::int32_t i = near_x - 1; i <= near_x + 1; ++i)
+      rays += counter.at(i, j, static_cast<std::int32_t>(std::lround(z)));
+  return {grid.first_x_mm + static_cast<float>(x - 1) * grid.step_x_mm,
+          grid.first_y_mm + static_cast<float>(y - 1) * grid.step_y_mm,
+          grid.first_z_mm + static_cast<float>(z) * grid.step_z_mm, rays};
+}
+
+std::size_t VoxelCloud::collect(const RayCounter& counter) noexcept {
+  clear();
+  const auto& grid = counter.grid();
+  std::size_t refused = 0;
+  for (std::int32_t z = 0; z < grid.planes; ++z) {
+    const auto marks = counter.marks(z);
+    const std::uint16_t* counts = counter.plane(z).data();
+    std::int32_t y = 0, row = 0;  // of the last mark; the marks go by rising index
+    for (std::size_t word = 0; word < marks.size(); ++word)
+      for (std::uint64_t left = marks[word]; left != 0; left &= left - 1) {
+        const auto index = static_cast<std::int32_t>(64 * word) + std::countr_zero(left);
+        while (index - row >= grid.stride()) ++y, row += grid.stride();
+        const std::int32_t x = index - row;
+        if (x < 1 || y < 1 || x > grid.size_x || y > grid.size_y) continue;
+        refused += !add({x, y, z, counts[index]});
+      }
+  }
+  return refused;
+}
+
+}  // namespace rptv

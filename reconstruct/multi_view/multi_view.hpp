@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Multi-view reconstruction: particle images of 2 to 16 cameras → sets that meet → ghosts removed → fitted particles.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibration/cameras/rig.hpp"
+#include "core/image.hpp"
+#include "reconstruct/detection/detections.hpp"
+#include "reconstruct/detection/detector_counts.hpp"
+#include "reconstruct/multi_view/correspondence.hpp"
+#include "reconstruct/multi_view/multi_view_settings.hpp"
+#include "reconstruct/multi_view/view_ghosts.hpp"
+#include "reconstruct/reconstructor.hpp"
+
+namespace rptv {
+
+/// A camera of the source: what frames call it, and their shape. `background`: an image without particles, or no data.
+struct MultiViewCamera {
+  std::string name;
+  ImageShape shape;
+  ImageView background;
+};
+
+/// Since construction, except where stated. Read on the reconstructing thread, or after it.
+struct MultiViewCounts {
+  std::uint64_t frames = 0;
+  std::uint64_t refused_frames = 0;  ///< sets of another number of cameras than the source has
+  std::uint64_t refused_views = 0;   ///< images that were missing, torn, or of another shape; the set goes on without
+  std::uint64_t too_few_views = 0;   ///< sets where fewer than min_views were left
+  std::uint64_t refused_detections = 0, refused_particles = 0;  ///< beyond max_detections, max_particles
+};
+
+/// The seed's first instrument, eq. (3)-(4), for any subset of at least min_views cameras. Set-up takes all memory.
+/// Particles are in the rig's frame; support is the number of views, ghost an estimate from the density of detections.
+class MultiView final : public Reconstructor {
+ public:
+  /// `cameras`: the source's, in its order; each must be in the rig by name. `settings.rig` stands for the rig in
+  /// messages and is not read here. Throws Error(configuration).
+  MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras);
+  ~MultiView() override;
+
+  void reconstruct(const FrameSet& frames, Particles& out) noexcept override;
+  /// The same from one list of detections per camera, in the order of `cameras`.
+  void reconstruct(std::span<const Detections> seen, Particles& out) noexcept;
+
+  /// The last frame's detections, one list per camera.
+  std::span<const Detections> detections() const noexcept;
+  const MultiViewCounts& counts() const noexcept;
+  const CorrespondenceCounts& correspondence_counts() const noexcept;
+  const GhostCounts& ghost_counts() const noexcept;
+  std::vector<DetectorCounts> detector_counts() const;
+  /// What is searched for particles, rig's frame.
+  const Volume& volume() const noexcept;
+
+ private:
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
+};
+
+}  // namespace rptv
