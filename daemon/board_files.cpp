@@ -9,6 +9,7 @@
 #include <set>
 
 #include "calibration/cameras/board_image.hpp"
+#include "calibration/cameras/rig.hpp"
 #include "core/error.hpp"
 #include "core/quote.hpp"
 #include "replay/image_file.hpp"
@@ -150,6 +151,11 @@ BoardSet read_board_set(const std::vector<BoardFile>& files, const Board& board,
     views.insert(entry.view);
     if (set.cameras.empty() || set.cameras.back().name != entry.camera) set.cameras.push_back({entry.camera, 0, 0});
   }
+  if (set.cameras.size() > Rig::kMostCameras)
+    throw Error(ExitCode::bad_data,
+                fmt::format("{} and the others are of {} cameras and a rig has at most {}; check what "
+                            "--pattern takes for the camera's name",
+                            files.front().file.string(), set.cameras.size(), Rig::kMostCameras));
   set.views.assign(views.begin(), views.end());
   for (const auto& camera : set.cameras)
     for (const auto& view : set.views)

@@ -27,8 +27,8 @@ std::vector<BoardFile> find_board_files(const std::vector<std::string>& paths, c
 
 /// Looks at every file. Text files hold points that were measured elsewhere, and need `sizes`: the images' width and
 /// height (px). Throws Error, naming camera, view or file, for a view that a camera has no file of (unless
-/// `allow_missing`), images of one camera of different sizes, damaged, saturated or empty images, and when the target
-/// is in none. `looked` is called after each file.
+/// `allow_missing`), more cameras than a rig has, images of one camera of different sizes, damaged, saturated or empty
+/// images, and when the target is in none. `looked` is called after each file.
 BoardSet read_board_set(const std::vector<BoardFile>& files, const Board& board, const std::vector<int>& size_px,
                         bool allow_missing, const std::function<void()>& looked);
 

@@ -30,7 +30,7 @@ class CalibrateCamerasCommand : public ::testing::Test {
     place_.write("cube.toml", "schema = 1\nkind = \"points\"\npoints_file = \"cube.txt\"\n");
     place_.write("charuco.toml",
                  "schema = 1\nkind = \"charuco\"\ncolumns = 7\nrows = 10\nsquare_mm = 20\nmarker_mm = 15\n");
-    std::filesystem::create_directory(place_.file("seen"));
+    for (const char* folder : {"seen", "many"}) std::filesystem::create_directory(place_.file(folder));
     write_points("seen/", rig_.set, 100);
   }
 
@@ -139,6 +139,9 @@ TEST_F(CalibrateCamerasCommand, says_why_not) {
   expect_refusal(calibrate({seen, "--board", points, "--pattern", "cam{camera}.txt"}), ExitCode::usage, "{view}");
   expect_refusal(calibrate({seen, "--board", path("charuco.toml")}), ExitCode::bad_data, "cam0_0.txt");
   expect_refusal(calibrate({path("nowhere"), "--board", points}), ExitCode::no_input, "nowhere");
+  for (int c = 0; c < 17; ++c) place_.write("many/cam" + std::to_string(c) + "_0.txt", "100 1 2\n");
+  expect_refusal(calibrate({path("many"), "--board", points, "--pattern", "cam{camera}_{view}.txt"}),
+                 ExitCode::bad_data, "of 17 cameras and a rig has at most 16");
   std::filesystem::remove(place_.file("seen/cam2_3.txt"));
   expect_refusal(of_points({"--size", "1280", "1024"}), ExitCode::bad_data, "camera cam2 has no image of view 3");
 }
