@@ -12,10 +12,8 @@
 #include "core/image.hpp"
 #include "reconstruct/correspondence.hpp"
 #include "reconstruct/detections.hpp"
-#include "reconstruct/detector_counts.hpp"
 #include "reconstruct/multi_view_settings.hpp"
 #include "reconstruct/reconstructor.hpp"
-#include "reconstruct/view_ghosts.hpp"
 
 namespace rptv {
 
@@ -52,8 +50,6 @@ class MultiView final : public Reconstructor {
   std::span<const Detections> detections() const noexcept;
   const MultiViewCounts& counts() const noexcept;
   const CorrespondenceCounts& correspondence_counts() const noexcept;
-  const GhostCounts& ghost_counts() const noexcept;
-  std::vector<DetectorCounts> detector_counts() const;
   /// What is searched for particles, rig's frame.
   const Volume& volume() const noexcept;
 
