@@ -12,6 +12,7 @@
 #include "reconstruct/multi_view/chance_of_match.hpp"
 #include "reconstruct/multi_view/seen_volume.hpp"
 #include "reconstruct/multi_view/view_fit.hpp"
+#include "reconstruct/multi_view/view_ghosts.hpp"
 #include "reconstruct/parallel.hpp"
 
 namespace rptv {
@@ -151,16 +152,9 @@ MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::spa
 MultiView::~MultiView() = default;
 std::span<const Detections> MultiView::detections() const noexcept { return stages_->seen; }
 const MultiViewCounts& MultiView::counts() const noexcept { return stages_->counts; }
-const GhostCounts& MultiView::ghost_counts() const noexcept { return stages_->ghosts.counts(); }
 const Volume& MultiView::volume() const noexcept { return stages_->volume; }
 const CorrespondenceCounts& MultiView::correspondence_counts() const noexcept {
   return stages_->correspondence.counts();
-}
-
-std::vector<DetectorCounts> MultiView::detector_counts() const {
-  std::vector<DetectorCounts> counts;
-  for (const Detector& detector : stages_->detectors) counts.push_back(detector.counts());
-  return counts;
 }
 
 void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {

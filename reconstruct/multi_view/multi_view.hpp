@@ -11,10 +11,8 @@
 #include "calibration/cameras/rig.hpp"
 #include "core/image.hpp"
 #include "reconstruct/detection/detections.hpp"
-#include "reconstruct/detection/detector_counts.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
 #include "reconstruct/multi_view/multi_view_settings.hpp"
-#include "reconstruct/multi_view/view_ghosts.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
@@ -52,8 +50,6 @@ class MultiView final : public Reconstructor {
   std::span<const Detections> detections() const noexcept;
   const MultiViewCounts& counts() const noexcept;
   const CorrespondenceCounts& correspondence_counts() const noexcept;
-  const GhostCounts& ghost_counts() const noexcept;
-  std::vector<DetectorCounts> detector_counts() const;
   /// What is searched for particles, rig's frame.
   const Volume& volume() const noexcept;
 

@@ -111,8 +111,8 @@ bool ViewRays::look(double column, double row, SeenRay& ray) const noexcept {
   return ray.x == ray.x;  // a cell with a node that sees nothing is not a number
 }
 
-// All rays pass nearest the point (foot_x + centre_t·0 …): x = foot_x - centre_t·dx and y = foot_y - centre_t·dy in the
-// least-squares sense over the nodes; centre_t is the depth of the pinhole, negative.
+// The point (foot_x, foot_y, centre_t) that the rays are nearest to: x = foot_x - centre_t·dx and y = foot_y -
+// centre_t·dy, least squares over the nodes. centre_t, the depth of the pinhole, is negative.
 void ViewRays::fit_pinhole(const std::string& name) {
   double n = 0, sum_x = 0, sum_y = 0, sum_dx = 0, sum_dy = 0, mixed = 0, square = 0;
   for (const Node& node : nodes_) {
