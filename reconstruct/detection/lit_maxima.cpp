@@ -12,9 +12,10 @@ namespace rptv {
 namespace {
 
 // Takes pixel numbers in raster order and keeps those that are not in the first or last column.
-class Sink {
+class MaximaSink {
  public:
-  Sink(const ImageShape& shape, std::span<PixelIndex> maxima) noexcept : width_(shape.width_px), maxima_(maxima) {}
+  MaximaSink(const ImageShape& shape, std::span<PixelIndex> maxima) noexcept
+      : width_(shape.width_px), maxima_(maxima) {}
 
   void push(std::size_t pixel) noexcept {
     if (pixel >= row_begin_ + width_) {
@@ -37,11 +38,11 @@ class Sink {
 // Compiled once per instruction set. Between rows the neighbours of a pixel are those of another row, in memory; the
 // sink leaves such pixels out. Blocks without a maximum are dropped without a branch, as those without a lit pixel.
 template <class Lit, class Maxima, class Pixel>
-[[gnu::always_inline]] inline std::size_t scan(const Pixel* pixels, const ImageShape& shape, const DarkLimit& limit,
-                                               std::span<PixelIndex> maxima) noexcept {
+[[gnu::always_inline]] inline std::size_t scan_maxima(const Pixel* pixels, const ImageShape& shape,
+                                                      const DarkLimit& limit, std::span<PixelIndex> maxima) noexcept {
   if (shape.width_px < 3 || shape.height_px < 3) return 0;
   const auto stride = static_cast<std::ptrdiff_t>(shape.width_px);
-  Sink sink(shape, maxima);
+  MaximaSink sink(shape, maxima);
   each_lit_chunk<Lit>(
       pixels, limit, shape.width_px + 1, shape.pixels() - shape.width_px - 1,
       [&](LitChunk & chunk, std::size_t lit) __attribute__((always_inline)) {
@@ -60,11 +61,11 @@ template <class Lit, class Maxima, class Pixel>
   return sink.count();
 }
 
-#define RPTV_SCAN(SET, TARGET, LIT, MAXIMA)                                                                  \
-  TARGET std::size_t scan_##SET(const ImageView& image, const DarkLimit& limit,                              \
-                                std::span<PixelIndex> maxima) noexcept {                                     \
-    return image.shape.bytes_per_pixel == 1 ? scan<LIT, MAXIMA>(image.as_u8(), image.shape, limit, maxima)   \
-                                            : scan<LIT, MAXIMA>(image.as_u16(), image.shape, limit, maxima); \
+#define RPTV_SCAN(SET, TARGET, LIT, MAXIMA)                                                                         \
+  TARGET std::size_t scan_##SET(const ImageView& image, const DarkLimit& limit,                                     \
+                                std::span<PixelIndex> maxima) noexcept {                                            \
+    return image.shape.bytes_per_pixel == 1 ? scan_maxima<LIT, MAXIMA>(image.as_u8(), image.shape, limit, maxima)   \
+                                            : scan_maxima<LIT, MAXIMA>(image.as_u16(), image.shape, limit, maxima); \
   }
 
 RPTV_SCAN(portable, , LitMask, MaximaMask)

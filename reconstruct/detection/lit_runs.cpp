@@ -11,9 +11,9 @@ namespace rptv {
 
 namespace {
 
-class Sink {
+class RunSink {
  public:
-  Sink(std::uint32_t width, std::vector<LitRun>& runs) noexcept : width_(width), runs_(runs) { runs_.clear(); }
+  RunSink(std::uint32_t width, std::vector<LitRun>& runs) noexcept : width_(width), runs_(runs) { runs_.clear(); }
 
   // Pixels begin … begin + length - 1, behind all that came before.
   void push(std::size_t begin, std::size_t length) noexcept {
@@ -49,9 +49,9 @@ class Sink {
 };
 
 template <class Lit, class Pixel>
-[[gnu::always_inline]] inline std::size_t scan(const Pixel* pixels, const ImageShape& shape, const DarkLimit& limit,
-                                               std::vector<LitRun>& runs) noexcept {
-  Sink sink(shape.width_px, runs);
+[[gnu::always_inline]] inline std::size_t scan_runs(const Pixel* pixels, const ImageShape& shape,
+                                                    const DarkLimit& limit, std::vector<LitRun>& runs) noexcept {
+  RunSink sink(shape.width_px, runs);
   each_lit_chunk<Lit>(
       pixels, limit, 0, shape.pixels(),
       [&](const LitChunk& chunk, std::size_t lit) __attribute__((always_inline)) {
@@ -72,8 +72,8 @@ template <class Lit, class Pixel>
 
 #define RPTV_RUNS(SET, TARGET, LIT)                                                                                   \
   TARGET std::size_t runs_##SET(const ImageView& image, const DarkLimit& limit, std::vector<LitRun>& runs) noexcept { \
-    return image.shape.bytes_per_pixel == 1 ? scan<LIT>(image.as_u8(), image.shape, limit, runs)                      \
-                                            : scan<LIT>(image.as_u16(), image.shape, limit, runs);                    \
+    return image.shape.bytes_per_pixel == 1 ? scan_runs<LIT>(image.as_u8(), image.shape, limit, runs)                 \
+                                            : scan_runs<LIT>(image.as_u16(), image.shape, limit, runs);               \
   }
 
 RPTV_RUNS(portable, , LitMask)

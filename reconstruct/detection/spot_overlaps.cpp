@@ -154,8 +154,8 @@ std::size_t SpotOverlaps::untangle(const GreyOverBackground<Pixel>& grey, std::v
     if (spots[i].crowded) crowded_.push_back(i);
   }
   for (int search = 0;; ++search) {
-    for (std::int64_t k = 0; k < sweeps_ && sweep(grey, spots) > 0; ++k) {
-    }
+    std::int64_t done = 0;
+    while (done < sweeps_ && sweep(grey, spots) > 0) ++done;
     remove_false(spots);
     if (!find_hidden_ || search == kSearches || find_hidden(grey, spots) == 0) break;
   }

@@ -28,6 +28,8 @@ class SpotOverlaps {
   std::size_t untangle(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
 
  private:
+  static constexpr std::int32_t kSearchBeyond = 2;  // px around the square of a spot in which another may hide
+
   void expect_width(const std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
   std::size_t sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
@@ -42,8 +44,6 @@ class SpotOverlaps {
   void widen_errors(std::vector<FittedSpot>& spots) noexcept;
 
   const InstructionSet set_;
-  static constexpr std::int32_t kSearchBeyond = 2;  // px around the square of a spot in which another may hide
-
   const std::int64_t sweeps_;
   const bool find_hidden_;
   const std::size_t most_crowded_;
