@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibration/light_field/pupil_rims.hpp"
 #include "calibration/light_field/sensor_frame.hpp"
 #include "core/error.hpp"
 
@@ -145,6 +146,11 @@ LensletCalibrationResult calibrate_lenslets(const LensletImages& images, const L
   auto result = separate_lattices(find_lenslets(grey, start, options), start, known, images.origin);
   result.arrays = arrays_of(result.found, images);
   result.calibration.mask = result.arrays.ray;
+  if (images.particle_images) return result;
+  auto& lens = result.calibration.lens;
+  lens.rim_shift.clear(), lens.rim_radius_mm.clear();
+  for (const auto& rim : fit_pupil_rims(result.found, result.calibration))
+    lens.rim_shift.push_back(rim.shift), lens.rim_radius_mm.push_back(rim.radius_mm);
   return result;
 }
 

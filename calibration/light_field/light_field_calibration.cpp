@@ -44,6 +44,9 @@ void MainLensCalibration::fields(FieldList& list) {
               "distance of the exit pupil in front of the array; 0: at infinity (telecentric)")
       .required = true;
   list.number("image_f_number", image_f_number, 0, 1e4, "f-number of the cone that reaches the array; 0: unknown");
+  list.numbers("rim_shift", rim_shift, 0, -1e3, 1e3,
+               "rims that make cat's eyes, at most two: open where |pupil point + shift x array point| < radius");
+  list.numbers("rim_radius_mm", rim_radius_mm, 0, 1e-6, 1e6, "the same rims: radius on the exit pupil");
   list.number("focal_length_mm", focal_length_mm, 0, 1e5, "thick lens: effective focal length");
   list.number("array_distance_mm", array_distance_mm, 0, 1e6, "thick lens: array behind the principal plane H2");
   list.number("magnification", magnification, 0, 1e4, "telecentric: lateral magnification");
@@ -156,6 +159,9 @@ void LightFieldCalibration::validate(const std::string& origin) const {
         fmt::format("lenslets.distortion_x_um and _y_um shift lenslets by {:.3g} um, more than {} % of half the "
                     "sensor's diagonal; calibrate again",
                     bend_mm * 1e3, kMostDistortion * 100));
+  if (lens.rim_shift.size() != lens.rim_radius_mm.size() || lens.rim_shift.size() > 2)
+    refuse(fmt::format("lens.rim_shift has {} numbers and lens.rim_radius_mm {}; give one each for up to two rims",
+                       lens.rim_shift.size(), lens.rim_radius_mm.size()));
   if (base_model() == "telecentric" && !(lens.magnification > 0))
     refuse("lens.magnification is missing; a telecentric lens needs it above 0");
   if (lens.model == "polynomial") validate_polynomial(polynomial, refuse);

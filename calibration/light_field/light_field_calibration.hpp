@@ -16,8 +16,7 @@ namespace rptv {
 
 /// The camera chip. Sensor frame: mm, origin on the optical axis, x along columns, y along rows (rows grow downwards).
 struct SensorCalibration {
-  std::int64_t width_px = 0;
-  std::int64_t height_px = 0;
+  std::int64_t width_px = 0, height_px = 0;
   double pixel_um = 0;
   std::vector<double> optical_axis_px;  ///< column, row where the optical axis meets the chip; empty: the image centre
   void fields(FieldList& list);
@@ -38,13 +37,14 @@ struct LensletCalibration {
 
 /// The main lens, as seen from the array and as a map between image and object space.
 struct MainLensCalibration {
-  std::string model;             ///< "thick_lens" (eq. 8-9), "telecentric" (eq. 11) or "polynomial" (Soloff)
-  double exit_pupil_mm = 0;      ///< distance of the exit pupil in front of the array; 0: at infinity (telecentric)
-  double image_f_number = 0;     ///< distance over diameter of the cone that reaches the array; 0: unknown
-  double focal_length_mm = 0;    ///< thick lens: EFL
-  double array_distance_mm = 0;  ///< thick lens: array behind the principal plane H2, s'_0
-  double magnification = 0;      ///< telecentric: M; the thick lens has its own (s'_0 - EFL)/EFL
-  double medium_index = 1;       ///< refractive index of the medium that the particles are in
+  std::string model;          ///< "thick_lens" (eq. 8-9), "telecentric" (eq. 11) or "polynomial" (Soloff)
+  double exit_pupil_mm = 0;   ///< distance of the exit pupil in front of the array; 0: at infinity (telecentric)
+  double image_f_number = 0;  ///< distance over diameter of the cone that reaches the array; 0: unknown
+  std::vector<double> rim_shift, rim_radius_mm;  ///< of at most two rims that cut the exit pupil: see PupilRim
+  double focal_length_mm = 0;                    ///< thick lens: EFL
+  double array_distance_mm = 0;                  ///< thick lens: array behind the principal plane H2, s'_0
+  double magnification = 0;                      ///< telecentric: M; the thick lens has its own (s'_0 - EFL)/EFL
+  double medium_index = 1;                       ///< refractive index of the medium that the particles are in
   void fields(FieldList& list);
 };
 

@@ -46,6 +46,11 @@ Footprints::Footprints(const LightFieldCalibration& calibration, const LensletLa
                               "refine_search = \"rays\"",
                               depths, places, places, image.size));
   }
+  if (pixels == 0)
+    throw Error(
+        ExitCode::configuration,
+        "light_field.refine_search = \"grey_values\" cannot hold the image of a particle, which lights too many "
+        "pixels of too many lenslets; stop the lens down, or set refine_search = \"rays\"");
   mean_pixels_ = pixels / footprints_.size();
 }
 

@@ -26,8 +26,6 @@ constexpr std::size_t kPlane = kMostPatchPixels + kGuard;
 constexpr std::size_t kMostPatches = 512;
 constexpr std::size_t kMostBoxPixels = 1 << 19;
 constexpr float kFaintest = 1e-3F;  // of the light of a pixel that nothing cuts
-constexpr double kLeastSigmaMm = 1e-4;
-
 }  // namespace
 
 ImageModel::ImageModel(const LightFieldCalibration& calibration, const LensletLattice& lattice,
@@ -45,6 +43,8 @@ ImageModel::ImageModel(const LightFieldCalibration& calibration, const LensletLa
       per_pupil_distance_(calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0),
       slope_sigma_(std::hypot(calibration.pixel_mm() / std::sqrt(12.0), options.spread_um * 1e-3) /
                    calibration.lenslets.focal_length_mm),
+      rim_shift_(calibration.lens.rim_shift),
+      rim_radius_mm_(calibration.lens.rim_radius_mm),
       planes_(4 * kPlane + kGuard),
       line_(kPlane + kGuard),
       place_(kMostBoxPixels) {
@@ -63,39 +63,6 @@ double ImageModel::reach_px(double depth_mm) const noexcept {
   const double slope = options_.pupil_radius_mm / std::max(far, 1e-3) + kEdgeSigmas * slope_sigma_;
   const double on_array_mm = slope * std::abs(depth_mm) + 2 * options_.particle_radius_mm + lattice_.pitch_mm();
   return (on_array_mm + slope * static_cast<double>(focal_mm_)) / static_cast<double>(pixel_mm_) + reach_ + 2;
-}
-
-ParticleView ImageModel::view_of(const ImagePoint& at) const noexcept {
-  const bool finite = per_pupil_distance_ > 0;
-  const double to_pupil = finite ? 1 / per_pupil_distance_ - at.z : 1;
-  // A uniform disc has an rms of half its radius along an axis.
-  const double particle_sigma = options_.particle_radius_mm / 2 * (1 + options_.radius_per_mm * at.z);
-  const double particle_sigma_z = options_.particle_radius_mm / 2 * options_.radius_per_mm;
-  const double cell_sigma = std::max(std::hypot(particle_sigma, at.z * slope_sigma_), kLeastSigmaMm);
-  const double disc_share = particle_sigma * particle_sigma / (cell_sigma * cell_sigma);
-  const double pupil_sigma = std::hypot(finite ? particle_sigma : 0, to_pupil * slope_sigma_);
-  const double radius = options_.pupil_radius_mm;
-  const double slope_area = std::numbers::pi * std::pow(focal_mm_ * radius / to_pupil, 2);
-  ParticleView view{};
-  view.x = static_cast<float>(at.x), view.y = static_cast<float>(at.y), view.z = static_cast<float>(at.z);
-  view.cosine = static_cast<float>(lattice_.rotation_cosine());
-  view.sine = static_cast<float>(lattice_.rotation_sine());
-  view.half_pitch = static_cast<float>(lattice_.pitch_mm() / 2);
-  view.edge = static_cast<float>(1 / (std::numbers::sqrt2 * cell_sigma));
-  view.edge_z = static_cast<float>(-(at.z * slope_sigma_ * slope_sigma_ + particle_sigma * particle_sigma_z) /
-                                   (cell_sigma * cell_sigma));
-  view.flatness = static_cast<float>(-disc_share * disc_share / 24);
-  view.to_pupil = static_cast<float>(to_pupil);
-  view.with_position = finite ? 1.0F : 0.0F;
-  // Blur moves the half-light contour of a disc inwards by σ²/(2R).
-  view.pupil_radius = static_cast<float>(radius - pupil_sigma * pupil_sigma / (2 * radius));
-  view.pupil_edge = static_cast<float>(1 / (std::numbers::sqrt2 * pupil_sigma));
-  const double covariance =
-      (finite ? particle_sigma * particle_sigma : 0) - slope_sigma_ * slope_sigma_ * at.z * to_pupil;
-  view.rim_pull = static_cast<float>(covariance / (std::numbers::sqrt2 * pupil_sigma));
-  view.light_z = finite ? static_cast<float>(-2 / to_pupil) : 0.0F;
-  view.light = static_cast<float>(pixel_mm_ * pixel_mm_ / slope_area);
-  return view;
 }
 
 // Slopes at which this lenslet can see the particle: the pupil's box, cut by the cell's.

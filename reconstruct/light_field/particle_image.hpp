@@ -55,6 +55,7 @@ class ImageModel {
   float* plane(std::size_t k) noexcept;  // 0: light, 1 … 3: its derivatives
   const float* plane(std::size_t k) const noexcept;
   ParticleView view_of(const ImagePoint& at) const noexcept;
+  RimView rim_of(std::size_t k, const ImagePoint& at, double particle_sigma) const noexcept;
   bool range_of(const ParticleView& view, float c_x, float c_y, Range& range) const noexcept;
   std::span<const Patch> patches() const noexcept { return {patches_.data(), patch_count_}; }
   Patch patch_of(float c_x, float c_y, const Range& range) const noexcept;
@@ -70,6 +71,7 @@ class ImageModel {
   const std::int32_t width_, height_, reach_;
   const float pixel_mm_, focal_mm_, axis_x_px_, axis_y_px_;
   const double per_pupil_distance_, slope_sigma_;
+  const std::vector<double> rim_shift_, rim_radius_mm_;
   std::vector<float> planes_, line_;  // workspace: the sharp image and its derivatives; one plane half blurred
   bool overlap_ = false;
   std::vector<Patch> patches_;  // room for them; a copy of the model has it, too

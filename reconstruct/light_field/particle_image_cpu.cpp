@@ -8,14 +8,19 @@ namespace rptv {
 
 namespace {
 
-[[gnu::always_inline]] inline void light_row_here(const ParticleView& view, const LightRow& row) noexcept {
+template <bool kRims>
+[[gnu::always_inline]] inline void light_row_with(const ParticleView& view, const LightRow& row) noexcept {
   float* __restrict value = row.value, * __restrict dx = row.dx, * __restrict dy = row.dy, * __restrict dz = row.dz;
   const ParticleView v = view;
   const float c_x = row.centre_x, c_y = row.centre_y, s_x = row.s_x, s_y = row.s_y, step = row.step;
   for (std::ptrdiff_t i = 0; i < row.count; ++i) {
-    const ParticleLight light = light_at(v, c_x, c_y, s_x - static_cast<float>(static_cast<int>(i)) * step, s_y);
+    const ParticleLight light = light_at<kRims>(v, c_x, c_y, s_x - static_cast<float>(static_cast<int>(i)) * step, s_y);
     value[i] = light.value, dx[i] = light.dx, dy[i] = light.dy, dz[i] = light.dz;
   }
+}
+
+[[gnu::always_inline]] inline void light_row_here(const ParticleView& view, const LightRow& row) noexcept {
+  view.has_rims ? light_row_with<true>(view, row) : light_row_with<false>(view, row);
 }
 
 [[gnu::always_inline]] inline void filter_line_here(const float* __restrict from, float* __restrict to,
