@@ -35,7 +35,11 @@ Footprints::Footprints(const LightFieldCalibration& calibration, const LensletLa
   std::size_t pixels = 0;
   for (std::size_t k = 0; k < footprints_.size(); ++k) {
     footprints_[k].first = static_cast<std::uint32_t>(pixels_.size());
-    if (!images.render(at(k, middle), image)) continue;
+    if (!images.render(at(k, middle), image))
+      throw Error(
+          ExitCode::configuration,
+          "light_field.refine_search = \"grey_values\" cannot hold the image of a particle, which lights too many "
+          "pixels of too many lenslets; stop the lens down, or set refine_search = \"rays\"");
     pixels += image.size;
     most_pixels_ = std::max(most_pixels_, image.size);
     add(image, spot_px(middle), footprints_[k]);
@@ -46,11 +50,6 @@ Footprints::Footprints(const LightFieldCalibration& calibration, const LensletLa
                               "refine_search = \"rays\"",
                               depths, places, places, image.size));
   }
-  if (pixels == 0)
-    throw Error(
-        ExitCode::configuration,
-        "light_field.refine_search = \"grey_values\" cannot hold the image of a particle, which lights too many "
-        "pixels of too many lenslets; stop the lens down, or set refine_search = \"rays\"");
   mean_pixels_ = pixels / footprints_.size();
 }
 

@@ -130,6 +130,16 @@ TEST(DenseSearch, refuses_what_it_cannot_do) {
   EXPECT_THAT(refusal_of(without_fit, small_camera()), HasSubstr("refine = true"));
 }
 
+TEST(Footprints, refuse_a_lens_so_wide_open_that_a_particle_lights_more_pixels_than_they_hold) {
+  auto camera = small_camera(1024, 768);
+  camera.lens.image_f_number = 2;
+  const LensletLattice lattice(camera);
+  ImageModelOptions model;
+  model.pupil_radius_mm = 0.5 * camera.lens.exit_pupil_mm / camera.lens.image_f_number;
+  model.particle_radius_mm = kRadiusMm;
+  EXPECT_THROW(Footprints(camera, lattice, model, {-16, 12, 4, 6}), Error);
+}
+
 // The light that a particle gives to the residual, and some more, is all of its light.
 TEST(ResidualSearch, is_not_misled_by_light_of_others_but_by_missing_light) {
   const auto camera = small_camera(256, 224);
