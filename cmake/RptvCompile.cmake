@@ -28,6 +28,9 @@ endif()
 if(RPTV_SANITIZE)
   target_compile_options(rptv_flags INTERFACE -fsanitize=${RPTV_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(rptv_flags INTERFACE -fsanitize=${RPTV_SANITIZE})
+  # Under a sanitizer Eigen aligns memory by itself, but its functions inside Debian's static Ceres do not; the linker keeps
+  # one of both, and what one had allocated the other freed. malloc aligns to 16 bytes in either case, all that Eigen needs here.
+  target_compile_definitions(rptv_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # Instrumented std::function and std::regex set off GCC 12's flow analysis (its bug 105562); -Wtsan is about fences
     # that ThreadSanitizer cannot see, of which there are none.
