@@ -16,23 +16,22 @@ constexpr std::size_t kRow = SpotBatch::kRow;
 using Row = float __attribute__((vector_size(kRow * sizeof(float))));
 using RowBits = std::int32_t __attribute__((vector_size(kRow * sizeof(float))));
 
-// Eight pixels as numbers. GCC 12 converts bytes one by one unless it is told how.
+// Eight pixels as numbers. GCC 12 converts bytes one by one unless it is told how. Not returned: Clang refuses that
+// between functions for different instruction sets.
 struct RowLoad {
   template <class Pixel>
-  static Row load(const Pixel* pixels) noexcept {
-    Row row;
+  static void load(const Pixel* pixels, Row& row) noexcept {
     for (std::size_t i = 0; i < kRow; ++i) row[i] = static_cast<float>(pixels[i]);
-    return row;
   }
 };
 
 #if defined(__x86_64__)
 struct RowLoadAvx2 {
-  RPTV_LIT_AVX2 static Row load(const std::uint8_t* pixels) noexcept {
-    return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(pixels))));
+  RPTV_LIT_AVX2 static void load(const std::uint8_t* pixels, Row& row) noexcept {
+    row = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(pixels))));
   }
-  RPTV_LIT_AVX2 static Row load(const std::uint16_t* pixels) noexcept {
-    return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels))));
+  RPTV_LIT_AVX2 static void load(const std::uint16_t* pixels, Row& row) noexcept {
+    row = _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels))));
   }
 };
 #endif
@@ -47,7 +46,9 @@ RPTV_LANES SquareCounts copy(const GreyOverBackground<Pixel>& grey, PixelIndex m
   for (std::size_t row = 0; row < side; ++row, first += static_cast<std::size_t>(grey.width())) {
     Row mean = Row{} + *grey.mean(first);
     if (!grey.one_background()) std::memcpy(&mean, grey.mean(first), sizeof mean);
-    const Row value = Load::load(grey.pixels() + first), over = value - mean;
+    Row value;
+    Load::load(grey.pixels() + first, value);
+    const Row over = value - mean;
     lit -= over > dark, saturated -= value >= saturation;
     std::memcpy(square.data() + row * kRow, &over, sizeof over);
   }
