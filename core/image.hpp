@@ -17,6 +17,10 @@ struct ImageShape {
   std::size_t bytes() const noexcept { return row_bytes() * height_px; }
   std::size_t pixels() const noexcept { return std::size_t{width_px} * height_px; }
   bool operator==(const ImageShape&) const = default;
+  /// As many columns and rows, whatever the pixels.
+  bool has_size_of(const ImageShape& other) const noexcept {
+    return width_px == other.width_px && height_px == other.height_px;
+  }
 };
 
 /// Read-only pixels, rows contiguous without padding. Valid as long as the lease or buffer behind it.

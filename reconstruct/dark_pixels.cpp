@@ -11,7 +11,7 @@ namespace rptv {
 DarkPixels make_dark(const DarkSettings& settings, const ImageShape& shape, const ImageView& background) {
   std::vector<float> mean(shape.pixels(), static_cast<float>(settings.background));
   if (background.data == nullptr) return {std::move(mean), DarkLimit(shape, settings.background, settings.threshold)};
-  if (background.shape.width_px != shape.width_px || background.shape.height_px != shape.height_px)
+  if (!background.shape.has_size_of(shape))
     throw Error(ExitCode::configuration,
                 fmt::format("{}: the background is {}x{} px but the camera has {}x{}; take it with the same camera",
                             settings.background_image, background.shape.width_px, background.shape.height_px,

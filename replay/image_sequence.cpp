@@ -17,7 +17,7 @@ void check_same_kind(const std::filesystem::path& file, const ImageShape& shape,
   constexpr std::string_view kStep =
       "the images of a camera are of one kind: convert it or leave it out with "
       "replay.pattern";
-  if (shape.width_px != expected.width_px || shape.height_px != expected.height_px)
+  if (!shape.has_size_of(expected))
     throw image_error(
         file, "is " + size_text(shape) + ", but " + first.filename().string() + " is " + size_text(expected), kStep);
   if (shape.bytes_per_pixel != expected.bytes_per_pixel)

@@ -65,7 +65,7 @@ const DetectorCounts& Detector::counts() const noexcept { return stages_->counts
 void Detector::detect(const ImageView& image, Detections& out) noexcept {
   auto& s = *stages_;
   out.clear();
-  if (image.data == nullptr || image.shape.width_px != s.shape.width_px || image.shape.height_px != s.shape.height_px) {
+  if (image.data == nullptr || !image.shape.has_size_of(s.shape)) {
     ++s.counts.refused_frames;
     return;
   }

@@ -229,7 +229,7 @@ void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
 void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   auto& s = *stages_;
   out.clear();
-  if (image.data == nullptr || image.shape.width_px != s.shape.width_px || image.shape.height_px != s.shape.height_px) {
+  if (image.data == nullptr || !image.shape.has_size_of(s.shape)) {
     ++s.counts.refused_frames;
     return;
   }

@@ -87,8 +87,7 @@ struct MultiView::Stages {
   }
 
   bool usable(const Frame& frame, std::size_t camera) const noexcept {
-    return frame.view().data != nullptr && !frame.info.torn && frame.shape.width_px == shapes[camera].width_px &&
-           frame.shape.height_px == shapes[camera].height_px;
+    return frame.view().data != nullptr && !frame.info.torn && frame.shape.has_size_of(shapes[camera]);
   }
   void choose(std::span<const ViewMatch> matches) noexcept;
   void write(std::span<const ViewMatch> matches, std::span<const Detections> lists, Particles& out) noexcept;

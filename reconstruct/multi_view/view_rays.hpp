@@ -39,8 +39,6 @@ class ViewRays {
 
   /// Axes of the view's frame in the rig's frame: about along columns, about along rows, away from the camera.
   const Matrix3& axes() const noexcept { return axes_; }
-  /// Depths (t) that the volume spans.
-  const std::array<double, 2>& depths_mm() const noexcept { return depths_mm_; }
 
   /// The pinhole that fits the rays best. Where the camera sees through air, each ray is one point in it.
   const Projection& pinhole() const noexcept { return pinhole_; }
@@ -70,7 +68,7 @@ class ViewRays {
 
   Point3 centre_mm_;
   Matrix3 axes_{};
-  std::array<double, 2> depths_mm_{};
+  std::array<double, 2> depths_mm_{};  // that the volume spans
   double width_px_, height_px_;
   double step_px_ = 0;
   std::size_t columns_ = 0, rows_ = 0;
