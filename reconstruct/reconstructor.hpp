@@ -4,6 +4,7 @@
 
 #include "core/frame.hpp"
 #include "core/particles.hpp"
+#include "core/tracks.hpp"
 
 namespace rptv {
 
@@ -13,6 +14,11 @@ class Reconstructor {
   virtual ~Reconstructor() = default;
   /// Clears `out` and fills it with the particles of one instant, in order of falling support. One thread at a time.
   virtual void reconstruct(const FrameSet& frames, Particles& out) noexcept = 0;
+
+  /// Whether it looks first where known tracks are expected; then expect() precedes every reconstruct().
+  virtual bool uses_tracks() const noexcept { return false; }
+  /// All live tracks, as expected at the exposure of the frame set that reconstruct() gets next (Linker::predict()).
+  virtual void expect(const Tracks& /*expected*/) noexcept {}
 };
 
 }  // namespace rptv
