@@ -15,7 +15,7 @@ int run_command_line(int argc, char** argv, std::span<const AddCommand> commands
   app.set_version_flag("--version", RPTV_VERSION);
   app.require_subcommand(1);
   Action chosen;
-  for (const AddCommand add : commands) add(app, chosen);
+  for (const AddCommand add : commands) add(Command(app), chosen);
   const auto known = app.get_subcommands({});
   if (argc > 1 && argv[1][0] != '-' &&
       std::none_of(known.begin(), known.end(), [&](const CLI::App* c) { return c->get_name() == argv[1]; })) {

@@ -8,7 +8,7 @@
 
 namespace rptv {
 
-using AddCommand = void (*)(CLI::App& app, Action& chosen);
+using AddCommand = void (*)(Command app, Action& chosen);
 
 /// Returns the process's exit code. Errors are one line on stderr.
 int run_command_line(int argc, char** argv, std::span<const AddCommand> commands);

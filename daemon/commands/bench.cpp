@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
 #include <thread>
@@ -116,16 +115,16 @@ ExitCode bench(const BenchOptions& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Action& chosen) {
+void add_bench(Command app, Action& chosen) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Time each stage on a configuration's own images");
-  command->add_option("-c,--config", options->config, "configuration (TOML)")->required();
-  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
-  command->add_flag("--json", options->json, "print one JSON object, times in ns");
-  command->footer(
+  Command command = app.add_subcommand("bench", "Time each stage on a configuration's own images");
+  command.add_option("-c,--config", options->config, "configuration (TOML)").required();
+  command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
+  command.add_flag("--json", options->json, "print one JSON object, times in ns");
+  command.footer(
       "Examples:\n  rapidptv bench --config demo-out/rig.toml\n  rapidptv bench --config rig.toml --set "
       "light_field.threads=1");
-  command->callback([options, &chosen] { chosen = [options] { return bench(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return bench(*options); }; });
 }
 
 }  // namespace rptv

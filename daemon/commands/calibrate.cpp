@@ -2,28 +2,26 @@
 // `rapidptv calibrate`: cameras, lenslets, volume, wand, and rigs of other programs.
 #include "daemon/commands/calibrate.hpp"
 
-#include <CLI/CLI.hpp>
-
 namespace rptv {
 
-void add_calibrate(CLI::App& app, Action& chosen) {
-  CLI::App* command =
+void add_calibrate(Command app, Action& chosen) {
+  Command command =
       app.add_subcommand("calibrate", "Make a calibration from images or points, or from another program's");
-  command->require_subcommand(1);
-  command->footer(
+  command.require_subcommand();
+  command.footer(
       "Examples:\n"
       "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
       "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
       "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml\n"
       "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml\n"
       "  rapidptv calibrate import openptv test_cavity -o rig.toml");
-  add_calibrate_cameras(*command, chosen);
-  add_calibrate_lenslets(*command, chosen);
-  add_calibrate_volume(*command, chosen);
-  add_calibrate_points(*command, chosen);
-  add_calibrate_wand(*command, chosen);
-  add_calibrate_import(*command, chosen);
-  add_calibrate_export(*command, chosen);
+  add_calibrate_cameras(command, chosen);
+  add_calibrate_lenslets(command, chosen);
+  add_calibrate_volume(command, chosen);
+  add_calibrate_points(command, chosen);
+  add_calibrate_wand(command, chosen);
+  add_calibrate_import(command, chosen);
+  add_calibrate_export(command, chosen);
 }
 
 }  // namespace rptv

@@ -6,12 +6,12 @@
 
 namespace rptv {
 
-void add_calibrate_cameras(CLI::App& calibrate, Action& chosen);
-void add_calibrate_lenslets(CLI::App& calibrate, Action& chosen);
-void add_calibrate_volume(CLI::App& calibrate, Action& chosen);
-void add_calibrate_points(CLI::App& calibrate, Action& chosen);
-void add_calibrate_wand(CLI::App& calibrate, Action& chosen);
-void add_calibrate_import(CLI::App& calibrate, Action& chosen);
-void add_calibrate_export(CLI::App& calibrate, Action& chosen);
+void add_calibrate_cameras(Command calibrate, Action& chosen);
+void add_calibrate_lenslets(Command calibrate, Action& chosen);
+void add_calibrate_volume(Command calibrate, Action& chosen);
+void add_calibrate_points(Command calibrate, Action& chosen);
+void add_calibrate_wand(Command calibrate, Action& chosen);
+void add_calibrate_import(Command calibrate, Action& chosen);
+void add_calibrate_export(Command calibrate, Action& chosen);
 
 }  // namespace rptv

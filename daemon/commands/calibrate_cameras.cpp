@@ -2,7 +2,6 @@
 // `rapidptv calibrate cameras`: images of a target by several cameras in, rig and report out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -84,38 +83,37 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_calibrate_cameras(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_cameras(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      calibrate.add_subcommand("cameras", "Lenses and poses of several cameras from images of a target");
-  command->add_option("images", options->images, "images, or folders of them; for measured points text files")
-      ->required();
-  command->add_option("--board", options->board, "the target (TOML)")->required();
-  command->add_option("-o,--output", options->output, "the rig (TOML)")->required();
-  command->add_option("--report", options->report, "folder for report, residuals and coverage");
-  command->add_option("--pattern", options->pattern, "how files are named: {camera}, {view}, * for anything")
-      ->capture_default_str();
-  command->add_option("--world-view", options->world_view,
-                      "the rig's frame is the target's in this view, not the first camera's");
-  command->add_flag("--allow-missing", options->allow_missing, "cameras need not have an image of each view");
-  command->add_flag("--keep-outliers", options->keep_outliers,
-                    "do not drop views that fit several times worse than others");
-  command->add_flag("--k3", options->fit_k3, "fit the sixth order of the radial distortion: wide lenses");
-  CLI::Option* glass =
+  Command command = calibrate.add_subcommand("cameras", "Lenses and poses of several cameras from images of a target");
+  command.add_option("images", options->images, "images, or folders of them; for measured points text files")
+      .required();
+  command.add_option("--board", options->board, "the target (TOML)").required();
+  command.add_option("-o,--output", options->output, "the rig (TOML)").required();
+  command.add_option("--report", options->report, "folder for report, residuals and coverage");
+  command.add_option("--pattern", options->pattern, "how files are named: {camera}, {view}, * for anything")
+      .show_default();
+  command.add_option("--world-view", options->world_view,
+                     "the rig's frame is the target's in this view, not the first camera's");
+  command.add_flag("--allow-missing", options->allow_missing, "cameras need not have an image of each view");
+  command.add_flag("--keep-outliers", options->keep_outliers,
+                   "do not drop views that fit several times worse than others");
+  command.add_flag("--k3", options->fit_k3, "fit the sixth order of the radial distortion: wide lenses");
+  Option glass =
       command
-          ->add_option("--glass", options->glass,
-                       "the target stands behind a window: its DISTANCE from the first camera and THICKNESS (mm), "
-                       "refractive INDEX of the glass, and of the LIQUID")
-          ->expected(4)
-          ->allow_extra_args(false)
-          ->check(CLI::PositiveNumber);
-  command->add_flag("--fit-glass", options->fit_glass, "fit where the window is and how it is turned")->needs(glass);
-  command->add_option("--size", options->size_px, "measured points: WIDTH and HEIGHT of the images, px")
-      ->expected(2)
-      ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--json", options->json, "print the report as one JSON object");
-  command->footer(
+          .add_option("--glass", options->glass,
+                      "the target stands behind a window: its DISTANCE from the first camera and THICKNESS (mm), "
+                      "refractive INDEX of the glass, and of the LIQUID")
+          .expected(4)
+          .allow_extra_args(false)
+          .positive();
+  command.add_flag("--fit-glass", options->fit_glass, "fit where the window is and how it is turned").needs(glass);
+  command.add_option("--size", options->size_px, "measured points: WIDTH and HEIGHT of the images, px")
+      .expected(2)
+      .allow_extra_args(false)
+      .positive();
+  command.add_flag("--json", options->json, "print the report as one JSON object");
+  command.footer(
       "Every view is one pose of the target, seen by several cameras at one moment; docs/calibration.md says how to "
       "take\n"
       "them. A board's file: kind = \"charuco\", columns, rows, square_mm, marker_mm, dictionary.\n\n"
@@ -125,7 +123,7 @@ void add_calibrate_cameras(CLI::App& calibrate, Action& chosen) {
       "  rapidptv calibrate cameras in_water/ --board board.toml --glass 430 6 1.46 1.333 --fit-glass -o rig.toml\n"
       "  rapidptv calibrate cameras cube/ --pattern 'cam{camera}_{view}.txt' --board cube.toml --size 1280 1024 -o "
       "rig.toml");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace rptv

@@ -2,7 +2,6 @@
 // `rapidptv calibrate lenslets`: images of the lenslet array in, calibration, arrays, figures and a report out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 
@@ -125,34 +124,33 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_calibrate_lenslets(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_lenslets(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       calibrate.add_subcommand("lenslets", "Lenslet lattice, exit pupil, mask and vignetting from images");
-  command->add_option("images", options->images, "white image(s), averaged; or with --particles many particle images")
-      ->required();
-  command->add_flag("--particles", options->particles,
-                    "the images are of particles: no white image and no touch of the lens");
-  command->add_option("--dark", options->dark, "dark image(s): black level and noise");
-  command->add_option("--start", options->start, "data sheet and lens as a (partial) calibration file (TOML)");
-  command->add_option("--set", options->set, "override one value of it: key=value")->allow_extra_args(false);
-  const auto positive = CLI::Range(1e-6, 1e9);
-  command->add_option("--pixel-um", options->pixel_um, "pixel pitch")->check(positive);
-  command->add_option("--pitch-um", options->pitch_um, "the array's pitch by its data sheet")->check(positive);
-  command->add_option("--focal-mm", options->focal_mm, "the lenslets' focal length")->check(positive);
-  command->add_option("--shape", options->shape, "arrangement")->check(CLI::IsMember({"square", "hexagonal"}));
-  command->add_option("--f-number", options->f_number, "f-number of the cone that reaches the array")->check(positive);
+  command.add_option("images", options->images, "white image(s), averaged; or with --particles many particle images")
+      .required();
+  command.add_flag("--particles", options->particles,
+                   "the images are of particles: no white image and no touch of the lens");
+  command.add_option("--dark", options->dark, "dark image(s): black level and noise");
+  command.add_option("--start", options->start, "data sheet and lens as a (partial) calibration file (TOML)");
+  command.add_option("--set", options->set, "override one value of it: key=value").allow_extra_args(false);
+  command.add_option("--pixel-um", options->pixel_um, "pixel pitch").range(1e-6, 1e9);
+  command.add_option("--pitch-um", options->pitch_um, "the array's pitch by its data sheet").range(1e-6, 1e9);
+  command.add_option("--focal-mm", options->focal_mm, "the lenslets' focal length").range(1e-6, 1e9);
+  command.add_option("--shape", options->shape, "arrangement").one_of({"square", "hexagonal"});
+  command.add_option("--f-number", options->f_number, "f-number of the cone that reaches the array").range(1e-6, 1e9);
   command
-      ->add_option("--exit-pupil-mm", options->exit_pupil_mm, "exit pupil before the array, if known (0: telecentric)")
-      ->check(CLI::Range(0.0, 1e7));
+      .add_option("--exit-pupil-mm", options->exit_pupil_mm, "exit pupil before the array, if known (0: telecentric)")
+      .range(0.0, 1e7);
   command
-      ->add_flag("--fit-exit-pupil", options->fit_exit_pupil,
-                 "fit it from the pitch although --start or the lens tells it")
-      ->excludes("--exit-pupil-mm");
-  command->add_option("-o,--output", options->output, "calibration file (TOML); arrays and figures go beside it")
-      ->required();
-  command->add_flag("--json", options->json, "print the report as one JSON object");
-  command->footer(
+      .add_flag("--fit-exit-pupil", options->fit_exit_pupil,
+                "fit it from the pitch although --start or the lens tells it")
+      .excludes("--exit-pupil-mm");
+  command.add_option("-o,--output", options->output, "calibration file (TOML); arrays and figures go beside it")
+      .required();
+  command.add_flag("--json", options->json, "print the report as one JSON object");
+  command.footer(
       "With the exit pupil given (or a telecentric lens) the pitch is fitted; else the exit pupil is, from the pitch.\n"
       "docs/calibration.md says how to take the images.\n\n"
       "Examples:\n"
@@ -161,7 +159,7 @@ void add_calibrate_lenslets(CLI::App& calibrate, Action& chosen) {
       "lens.model=telecentric \\\n"
       "      --set lens.magnification=20 -o cal.toml\n"
       "  rapidptv calibrate lenslets --particles frames/ --start sheet.toml -o cal.toml");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace rptv

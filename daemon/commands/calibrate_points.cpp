@@ -2,7 +2,6 @@
 // `rapidptv calibrate points`: cameras fitted to points whose places are known.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "calibration/cameras/known_points.hpp"
@@ -51,27 +50,26 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_calibrate_points(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_points(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = calibrate.add_subcommand("points", "Cameras of a rig from points whose places are known");
+  Command command = calibrate.add_subcommand("points", "Cameras of a rig from points whose places are known");
+  command.add_option("points", options->points, "table (CSV) of points and where cameras see them; - is standard input")
+      .required();
+  command.add_option("--start", options->start, "rig file (TOML) to start from: within some degrees and centimetres")
+      .required();
   command
-      ->add_option("points", options->points, "table (CSV) of points and where cameras see them; - is standard input")
-      ->required();
-  command->add_option("--start", options->start, "rig file (TOML) to start from: within some degrees and centimetres")
-      ->required();
-  command
-      ->add_option("--fit", options->fit,
-                   "what is fitted: pose; focal: and the focal length; distortion: and k1, p1, p2")
-      ->check(CLI::IsMember({"pose", "focal", "distortion"}));
-  command->add_option("-o,--output", options->output, "rig file (TOML) to write")->required();
-  command->add_flag("--json", options->json, "print the residuals as one JSON object");
-  command->footer(
+      .add_option("--fit", options->fit,
+                  "what is fitted: pose; focal: and the focal length; distortion: and k1, p1, p2")
+      .one_of({"pose", "focal", "distortion"});
+  command.add_option("-o,--output", options->output, "rig file (TOML) to write").required();
+  command.add_flag("--json", options->json, "print the residuals as one JSON object");
+  command.footer(
       "Columns: camera,x,y,z,column,row (the camera's name; mm in the rig's frame; px, pixel centres are integers). "
       "The walls\n"
       "between camera and points are those of the start. Points at more than one depth tell the focal length.\n\n"
       "Example:\n"
       "  rapidptv calibrate points dots.csv --start rig.toml --fit distortion -o fitted.toml");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace rptv

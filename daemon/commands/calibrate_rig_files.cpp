@@ -2,7 +2,6 @@
 // `rapidptv calibrate import` and `export`: rigs from other programs' calibrations, and for them.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 
@@ -80,54 +79,52 @@ ExitCode to_openptv(const Options& options) {
 }
 
 /// A subcommand that ends in `action`, with the options that all three have.
-CLI::App* add(CLI::App& parent, const char* name, const char* what, const char* output, Action& chosen,
-              const std::shared_ptr<Options>& options, ExitCode (*action)(const Options&)) {
-  CLI::App* command = parent.add_subcommand(name, what);
-  command->add_option("-o,--output", options->output, output)->required();
-  command->add_flag("--json", options->json, "print the cameras as one JSON object");
-  command->callback([=, &chosen] { chosen = [=] { return action(*options); }; });
+Command add(Command parent, const char* name, const char* what, const char* output, Action& chosen,
+            const std::shared_ptr<Options>& options, ExitCode (*action)(const Options&)) {
+  Command command = parent.add_subcommand(name, what);
+  command.add_option("-o,--output", options->output, output).required();
+  command.add_flag("--json", options->json, "print the cameras as one JSON object");
+  command.callback([=, &chosen] { chosen = [=] { return action(*options); }; });
   return command;
 }
 
 }  // namespace
 
-void add_calibrate_import(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_import(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* import = calibrate.add_subcommand("import", "A rig from OpenPTV's or OpenCV's calibration files");
-  import->require_subcommand(1);
-  CLI::App* openptv =
-      add(*import, "openptv", "ptv.par, .ori and .addpar", "rig file (TOML) to write", chosen, options, from_openptv);
-  openptv->add_option("place", options->place, "ptv.par, or OpenPTV's working folder with parameters/ and cal/")
-      ->required();
-  openptv
-      ->add_option("--scale", options->scale, "what scx scales: the columns (liboptv until March 2025), or both axes")
-      ->check(CLI::IsMember({"columns", "both"}));
-  openptv->footer("Example:\n  rapidptv calibrate import openptv test_cavity -o rig.toml");
-  CLI::App* opencv = add(*import, "opencv", "YAML, XML or JSON, one file per camera", "rig file (TOML) to write",
-                         chosen, options, from_opencv);
-  opencv->add_option("files", options->files, "one per camera; cameras are called like their files")->required();
-  opencv->add_option("--unit-mm", options->unit_mm, "mm in one unit of T: 1000 when it is in metres")
-      ->check(CLI::Range(1e-9, 1e9));
-  opencv->footer("Example:\n  rapidptv calibrate import opencv left.yml right.yml --unit-mm 1000 -o rig.toml");
-  import->footer(
+  Command import = calibrate.add_subcommand("import", "A rig from OpenPTV's or OpenCV's calibration files");
+  import.require_subcommand();
+  Command openptv =
+      add(import, "openptv", "ptv.par, .ori and .addpar", "rig file (TOML) to write", chosen, options, from_openptv);
+  openptv.add_option("place", options->place, "ptv.par, or OpenPTV's working folder with parameters/ and cal/")
+      .required();
+  openptv.add_option("--scale", options->scale, "what scx scales: the columns (liboptv until March 2025), or both axes")
+      .one_of({"columns", "both"});
+  openptv.footer("Example:\n  rapidptv calibrate import openptv test_cavity -o rig.toml");
+  Command opencv = add(import, "opencv", "YAML, XML or JSON, one file per camera", "rig file (TOML) to write", chosen,
+                       options, from_opencv);
+  opencv.add_option("files", options->files, "one per camera; cameras are called like their files").required();
+  opencv.add_option("--unit-mm", options->unit_mm, "mm in one unit of T: 1000 when it is in metres").range(1e-9, 1e9);
+  opencv.footer("Example:\n  rapidptv calibrate import opencv left.yml right.yml --unit-mm 1000 -o rig.toml");
+  import.footer(
       "Examples:\n"
       "  rapidptv calibrate import openptv test_cavity -o rig.toml\n"
       "  rapidptv calibrate import opencv left.yml right.yml --unit-mm 1000 -o rig.toml");
 }
 
-void add_calibrate_export(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_export(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = calibrate.add_subcommand("export", "A rig as OpenPTV's calibration files");
-  command->require_subcommand(1);
-  CLI::App* openptv =
-      add(*command, "openptv", "ptv.par, .ori and .addpar", "folder to write", chosen, options, to_openptv);
-  openptv->add_option("rig", options->place, "rig file (TOML)")->required();
+  Command command = calibrate.add_subcommand("export", "A rig as OpenPTV's calibration files");
+  command.require_subcommand();
+  Command openptv =
+      add(command, "openptv", "ptv.par, .ori and .addpar", "folder to write", chosen, options, to_openptv);
+  openptv.add_option("rig", options->place, "rig file (TOML)").required();
   openptv
-      ->add_option("--pixel-um", options->pixel_um,
-                   "pixel pitch that OpenPTV's mm count from; projections do not depend on it")
-      ->check(CLI::Range(1e-3, 1e6));
-  for (CLI::App* app : {command, openptv})
-    app->footer("Example:\n  rapidptv calibrate export openptv rig.toml --pixel-um 12 -o test_cavity");
+      .add_option("--pixel-um", options->pixel_um,
+                  "pixel pitch that OpenPTV's mm count from; projections do not depend on it")
+      .range(1e-3, 1e6);
+  for (Command app : {command, openptv})
+    app.footer("Example:\n  rapidptv calibrate export openptv rig.toml --pixel-um 12 -o test_cavity");
 }
 
 }  // namespace rptv

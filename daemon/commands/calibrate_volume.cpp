@@ -2,7 +2,6 @@
 // `rapidptv calibrate volume`: points known in image and object space in, a fitted map in the calibration out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 
@@ -61,14 +60,14 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_calibrate_volume(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_volume(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = calibrate.add_subcommand("volume", "Map from image to object space through known points");
-  command->add_option("pairs", options->pairs, "table (CSV) of points in both spaces; - is standard input")->required();
-  command->add_option("--calibration", options->calibration, "light-field calibration (TOML) to complete")->required();
-  command->add_option("-o,--output", options->output, "the same with lens.model = \"polynomial\" (TOML)")->required();
-  command->add_flag("--json", options->json, "print the residuals as one JSON object");
-  command->footer(
+  Command command = calibrate.add_subcommand("volume", "Map from image to object space through known points");
+  command.add_option("pairs", options->pairs, "table (CSV) of points in both spaces; - is standard input").required();
+  command.add_option("--calibration", options->calibration, "light-field calibration (TOML) to complete").required();
+  command.add_option("-o,--output", options->output, "the same with lens.model = \"polynomial\" (TOML)").required();
+  command.add_flag("--json", options->json, "print the residuals as one JSON object");
+  command.footer(
       "Columns: image_x,image_y,image_z,object_x,object_y,object_z (mm; image space as `reconstruct --space image` "
       "gives\n"
       "it, object space with z towards the lens). At least 25 points on 3 depths with 4 rows and columns each.\n"
@@ -77,7 +76,7 @@ void add_calibrate_volume(CLI::App& calibrate, Action& chosen) {
       "Examples:\n"
       "  rapidptv calibrate volume target.csv --calibration cal.toml -o volume.toml\n"
       "  rapidptv reconstruct frames/ --calibration volume.toml -o points.csv");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace rptv

@@ -2,7 +2,6 @@
 // `rapidptv calibrate wand`: a rig and images' points of a rod of known length in, the rig with better poses out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 
@@ -74,24 +73,22 @@ ExitCode run(const Options& options) {
 
 }  // namespace
 
-void add_calibrate_wand(CLI::App& calibrate, Action& chosen) {
+void add_calibrate_wand(Command calibrate, Action& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = calibrate.add_subcommand("wand", "Better poses of a rig from a rod of known length");
-  command->add_option("points", options->points, "text files, or folders of them: `1 column row`, `2 column row`")
-      ->required();
-  command->add_option("--start", options->start, "the rig as it was (TOML)")->required();
-  command->add_option("--length", options->length_mm, "from end 1 to end 2 of the rod, mm")
-      ->required()
-      ->check(CLI::PositiveNumber);
-  command->add_option("-o,--output", options->output, "the rig (TOML)")->required();
-  command->add_option("--pattern", options->pattern, "how files are named: {camera}, {view}, * for anything")
-      ->capture_default_str();
-  command->add_flag("--lenses", options->fit_lenses, "adjust focal lengths, principal points and distortion, too");
-  command->add_flag("--json", options->json, "print the figures as one JSON object");
-  command->footer(
+  Command command = calibrate.add_subcommand("wand", "Better poses of a rig from a rod of known length");
+  command.add_option("points", options->points, "text files, or folders of them: `1 column row`, `2 column row`")
+      .required();
+  command.add_option("--start", options->start, "the rig as it was (TOML)").required();
+  command.add_option("--length", options->length_mm, "from end 1 to end 2 of the rod, mm").required().positive();
+  command.add_option("-o,--output", options->output, "the rig (TOML)").required();
+  command.add_option("--pattern", options->pattern, "how files are named: {camera}, {view}, * for anything")
+      .show_default();
+  command.add_flag("--lenses", options->fit_lenses, "adjust focal lengths, principal points and distortion, too");
+  command.add_flag("--json", options->json, "print the figures as one JSON object");
+  command.footer(
       "Example:\n"
       "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace rptv

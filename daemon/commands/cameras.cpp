@@ -2,7 +2,6 @@
 // `rapidptv cameras`: what answers, and what the configuration calls it.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "acquisition/found_camera.hpp"
@@ -49,16 +48,16 @@ ExitCode list_cameras(bool json) {
 
 }  // namespace
 
-void add_cameras(CLI::App& app, Action& chosen) {
+void add_cameras(Command app, Action& chosen) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("cameras", "List the cameras that answer: GigE Vision, USB3 Vision, V4L2");
-  command->add_flag("--json", *json, "print one JSON object");
-  command->footer(
+  Command command = app.add_subcommand("cameras", "List the cameras that answer: GigE Vision, USB3 Vision, V4L2");
+  command.add_flag("--json", *json, "print one JSON object");
+  command.footer(
       "The second column is what aravis.cameras and v4l2.devices name a camera by.\n"
       "Examples:\n"
       "  rapidptv cameras\n"
       "  rapidptv cameras --json | jq -r '.cameras[].address'");
-  command->callback([json, &chosen] { chosen = [json] { return list_cameras(*json); }; });
+  command.callback([json, &chosen] { chosen = [json] { return list_cameras(*json); }; });
 }
 
 }  // namespace rptv

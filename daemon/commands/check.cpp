@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // `rapidptv check`: would a run with this configuration start, and do its cameras give what it needs?
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "daemon/commands/command.hpp"
@@ -34,16 +33,15 @@ ExitCode check(const CheckOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Action& chosen) {
+void add_check(Command app, Action& chosen) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = app.add_subcommand("check", "Say whether a run with this configuration would start");
-  command->add_option("-c,--config,config", options->config, "configuration (TOML)")->required();
-  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->add_flag("--hardware", options->hardware, "instead: let the cameras run, and say what each of them gives");
-  command->add_option("--seconds", options->duration_s, "how long --hardware lets them run")
-      ->check(CLI::Range(1.0, 3600.0));
-  command->footer(
+  Command command = app.add_subcommand("check", "Say whether a run with this configuration would start");
+  command.add_option("-c,--config,config", options->config, "configuration (TOML)").required();
+  command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
+  command.add_flag("--json", options->json, "print one JSON object");
+  command.add_flag("--hardware", options->hardware, "instead: let the cameras run, and say what each of them gives");
+  command.add_option("--seconds", options->duration_s, "how long --hardware lets them run").range(1.0, 3600.0);
+  command.footer(
       "Reads the configuration, the calibration and every image's header, builds the stages and binds the endpoints\n"
       "for a moment. The exit code is that of the first failure: 66 no input, 65 bad data, 78 configuration, ...\n"
       "--hardware takes frames in as a run does and tells each camera's rate, losses by cause, driver counters, clock\n"
@@ -52,7 +50,7 @@ void add_check(CLI::App& app, Action& chosen) {
       "  rapidptv check rig.toml\n"
       "  rapidptv check rig.toml --hardware --seconds 10\n"
       "  rapidptv check rig.toml --set publisher.endpoint=tcp://127.0.0.1:5555 --json");
-  command->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return check(*options); }; });
 }
 
 }  // namespace rptv

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 
@@ -108,19 +107,15 @@ ExitCode demo(const DemoOptions& options) {
 
 }  // namespace
 
-void add_demo(CLI::App& app, Action& chosen) {
+void add_demo(Command app, Action& chosen) {
   auto options = std::make_shared<DemoOptions>();
-  CLI::App* command = app.add_subcommand("demo", "Simulate, replay in real time through the daemon, score, report");
-  command->add_option("-o,--out", options->out, "folder for images and results")->capture_default_str();
-  command->add_option("--frames", options->frames, "frames to simulate")
-      ->capture_default_str()
-      ->check(CLI::Range(50, 100000));
-  command->add_option("--rate", options->rate_hz, "frames per second")
-      ->capture_default_str()
-      ->check(CLI::Range(20.0, 2000.0));
-  command->add_option("--seed", options->seed, "another seed: other particles, other noise")->capture_default_str();
-  command->footer("Examples:\n  rapidptv demo\n  rapidptv demo --out /tmp/demo --frames 1000 --seed 7");
-  command->callback([options, &chosen] { chosen = [options] { return demo(*options); }; });
+  Command command = app.add_subcommand("demo", "Simulate, replay in real time through the daemon, score, report");
+  command.add_option("-o,--out", options->out, "folder for images and results").show_default();
+  command.add_option("--frames", options->frames, "frames to simulate").show_default().range(50, 100000);
+  command.add_option("--rate", options->rate_hz, "frames per second").show_default().range(20.0, 2000.0);
+  command.add_option("--seed", options->seed, "another seed: other particles, other noise").show_default();
+  command.footer("Examples:\n  rapidptv demo\n  rapidptv demo --out /tmp/demo --frames 1000 --seed 7");
+  command.callback([options, &chosen] { chosen = [options] { return demo(*options); }; });
 }
 
 }  // namespace rptv

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // `rapidptv doctor`: is this machine set up for the configured cameras?
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "daemon/commands/command.hpp"
@@ -26,13 +25,13 @@ ExitCode doctor(const DoctorOptions& options) {
 
 }  // namespace
 
-void add_doctor(CLI::App& app, Action& chosen) {
+void add_doctor(Command app, Action& chosen) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = app.add_subcommand("doctor", "Say what this machine lacks for cameras, and what mends it");
-  command->add_option("-c,--config,config", options->config,
-                      "configuration (TOML): also weigh its images against the links and its files against the disk");
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->footer(
+  Command command = app.add_subcommand("doctor", "Say what this machine lacks for cameras, and what mends it");
+  command.add_option("-c,--config,config", options->config,
+                     "configuration (TOML): also weigh its images against the links and its files against the disk");
+  command.add_flag("--json", options->json, "print one JSON object");
+  command.footer(
       "With a configuration it opens the cameras for a moment, and writes up to 256 MiB, for some 2 s, into a file "
       "that\n"
       "nobody sees in the folder of the outputs, to learn how fast the disk is.\n"
@@ -40,7 +39,7 @@ void add_doctor(CLI::App& app, Action& chosen) {
       "Examples:\n"
       "  rapidptv doctor\n"
       "  rapidptv doctor rig.toml --json | jq '.checks[] | select(.verdict != \"ok\") | .mend'");
-  command->callback([options, &chosen] { chosen = [options] { return doctor(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return doctor(*options); }; });
 }
 
 }  // namespace rptv

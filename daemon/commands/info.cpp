@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <zmq.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <set>
@@ -106,19 +105,19 @@ void describe(const fs::path& file) {
 
 }  // namespace
 
-void add_info(CLI::App& app, Action& chosen) {
+void add_info(Command app, Action& chosen) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = app.add_subcommand("info", "Say what this build is, or what files hold");
-  command->add_option("files", options->files,
-                      "images, folders of images, points or tracks (CSV), calibrations or lens prescriptions (TOML)");
-  command->add_flag("--lenses", options->lenses, "describe the lens prescriptions that are installed");
-  command->footer(
+  Command command = app.add_subcommand("info", "Say what this build is, or what files hold");
+  command.add_option("files", options->files,
+                     "images, folders of images, points or tracks (CSV), calibrations or lens prescriptions (TOML)");
+  command.add_flag("--lenses", options->lenses, "describe the lens prescriptions that are installed");
+  command.footer(
       "Examples:\n"
       "  rapidptv info\n"
       "  rapidptv info recording/ tracks.csv calibration.toml\n"
       "  rapidptv info --lenses\n"
       "  rapidptv info my_lens.toml");
-  command->callback([options, &chosen] {
+  command.callback([options, &chosen] {
     chosen = [options] {
       if (options->lenses)
         describe_installed_lenses();

@@ -2,7 +2,6 @@
 // `rapidptv link`: a table of points in, a table of tracks out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "core/tables.hpp"
@@ -65,78 +64,75 @@ ExitCode link(LinkOptions options) {
   return ExitCode::ok;
 }
 
-void add_motion(CLI::App& command, LinkOptions& options) {
+void add_motion(Command command, LinkOptions& options) {
   LinkerSettings& linker = options.linker;
-  const auto length = CLI::Range(0.0, 1e9);
   command
       .add_option("--predict,--predictor", linker.predict, "where to look: at the last position, or carried on by ...")
-      ->check(CLI::IsMember({"none", "velocity", "flow", "kalman", "kalman_acceleration"}))
-      ->capture_default_str();
+      .one_of({"none", "velocity", "flow", "kalman", "kalman_acceleration"})
+      .show_default();
   command.add_option("--start-up", linker.start_up, "what a new track is expected to do, with a predictor")
-      ->check(CLI::IsMember({"nearest", "rest"}))
-      ->capture_default_str();
+      .one_of({"nearest", "rest"})
+      .show_default();
   command
       .add_option("--model-error", linker.model_error_mm, "rms displacement that a Kalman filter does not explain, mm")
-      ->check(length);
-  command.add_option("--noise", linker.noise_mm, "rms error of points without covariance, mm")->check(length);
+      .range(0.0, 1e9);
+  command.add_option("--noise", linker.noise_mm, "rms error of points without covariance, mm").range(0.0, 1e9);
   command.add_option("--gate", linker.gate_sigma, "largest Mahalanobis distance, beside the search range")
-      ->check(CLI::Range(0.0, 1e3));
-  command.add_option("--flow-bin", linker.flow_bin_mm, "cubes that the flow is averaged over, mm")->check(length);
+      .range(0.0, 1e3);
+  command.add_option("--flow-bin", linker.flow_bin_mm, "cubes that the flow is averaged over, mm").range(0.0, 1e9);
   command.add_option("--smooth", options.smooth_frames, "frames that each row waits for, to be smoothed by them")
-      ->check(CLI::Range(std::size_t{0}, std::size_t{1000}));
+      .range(std::size_t{0}, std::size_t{1000});
 }
 
-void add_bounds(CLI::App& command, LinkOptions& options) {
+void add_bounds(Command command, LinkOptions& options) {
   LinkerSettings& linker = options.linker;
   linker.deadline_ms = 0;  // nobody waits for a table: exact by default
   command.add_option("--adaptive-stop", linker.adaptive_stop_mm, "smallest range for oversize subnetworks, mm")
-      ->check(CLI::Range(0.0, 1e9));
+      .range(0.0, 1e9);
   command.add_option("--adaptive-step", linker.adaptive_step, "factor from one such range to the next")
-      ->check(CLI::Range(0.01, 0.999))
-      ->capture_default_str();
+      .range(0.01, 0.999)
+      .show_default();
   command.add_option("--max-subnet", linker.max_subnet, "tracks in a subnetwork from which that begins; 0: never")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{10'000'000}));
-  command.add_option("--deadline", linker.deadline_ms, "time for one frame, ms; 0: none")->check(CLI::Range(0.0, 1e6));
+      .range(std::int64_t{0}, std::int64_t{10'000'000});
+  command.add_option("--deadline", linker.deadline_ms, "time for one frame, ms; 0: none").range(0.0, 1e6);
   command.add_option("--max-particles", linker.max_particles, "most points in one frame")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
-      ->capture_default_str();
+      .range(std::int64_t{1}, std::int64_t{10'000'000})
+      .show_default();
   command.add_option("--max-tracks", linker.max_tracks, "most tracks alive at once, unseen ones included")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
-      ->capture_default_str();
+      .range(std::int64_t{1}, std::int64_t{10'000'000})
+      .show_default();
   command.add_option("--max-candidates", linker.max_candidates, "nearest points considered per track")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1024}))
-      ->capture_default_str();
+      .range(std::int64_t{1}, std::int64_t{1024})
+      .show_default();
 }
 
 }  // namespace
 
-void add_link(CLI::App& app, Action& chosen) {
+void add_link(Command app, Action& chosen) {
   auto options = std::make_shared<LinkOptions>();
-  CLI::App* command = app.add_subcommand("link", "Link points into tracks (CSV to CSV)");
-  command->add_option("points", options->points, "table with columns frame,x,y[,z][,t]; - is standard input")
-      ->required();
-  command->add_option("-o,--output", options->output, "table of tracks; - is standard output")->capture_default_str();
+  Command command = app.add_subcommand("link", "Link points into tracks (CSV to CSV)");
+  command.add_option("points", options->points, "table with columns frame,x,y[,z][,t]; - is standard input").required();
+  command.add_option("-o,--output", options->output, "table of tracks; - is standard output").show_default();
   command
-      ->add_option("--search-range", options->range_mm, "farthest step between two frames, mm; or one each: 0.2,0.2,1")
-      ->required()
-      ->delimiter(',')
-      ->expected(1, 3)
-      ->check(CLI::Range(1e-9, 1e9));
-  command->add_option("--memory", options->linker.memory, "frames that a particle may be unseen for")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000}))
-      ->capture_default_str();
-  command->add_option("--rate", options->rate_hz, "frames per second of a table without column t, Hz")
-      ->check(CLI::Range(1e-6, 1e9));
-  add_motion(*command, *options);
-  add_bounds(*command, *options);
-  command->footer(
+      .add_option("--search-range", options->range_mm, "farthest step between two frames, mm; or one each: 0.2,0.2,1")
+      .required()
+      .delimiter(',')
+      .expected(1, 3)
+      .range(1e-9, 1e9);
+  command.add_option("--memory", options->linker.memory, "frames that a particle may be unseen for")
+      .range(std::int64_t{0}, std::int64_t{1'000'000})
+      .show_default();
+  command.add_option("--rate", options->rate_hz, "frames per second of a table without column t, Hz").range(1e-6, 1e9);
+  add_motion(command, *options);
+  add_bounds(command, *options);
+  command.footer(
       "Rows must be sorted by frame. Frames come out as they are complete, so a pipe works; trackpy's tables (x, y, "
       "frame, ...)\nare read as they are. docs/linking.md explains the choices.\n\n"
       "Examples:\n"
       "  rapidptv link points.csv --search-range 0.5 --memory 3 -o tracks.csv\n"
       "  rapidptv link points.csv --search-range 0.1,0.1,0.4 --predictor kalman --smooth 5 --rate 150 -o tracks.csv\n"
       "  rapidptv reconstruct --config rig.toml | rapidptv link - --search-range 0.5 > tracks.csv");
-  command->callback([options, &chosen] { chosen = [options] { return link(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return link(*options); }; });
 }
 
 }  // namespace rptv

@@ -2,7 +2,6 @@
 // `rapidptv reconstruct`: images in, a table of points out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "core/tables.hpp"
@@ -114,23 +113,22 @@ ExitCode reconstruct(const ReconstructOptions& options) {
 
 }  // namespace
 
-void add_reconstruct(CLI::App& app, Action& chosen) {
+void add_reconstruct(Command app, Action& chosen) {
   auto options = std::make_shared<ReconstructOptions>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("reconstruct", "Find particles in light-field or multi-view images (images to CSV)");
-  command->add_option(
+  command.add_option(
       "images", options->images,
       "PNG or TIFF files of one camera, or one folder of them, or of all cameras of a rig; default: replay.path of the "
       "configuration");
-  command->add_option("-c,--config", options->config, "configuration (TOML) with [light_field] or [multi_view]");
-  command->add_option("--calibration", options->calibration, "light-field calibration or rig file (TOML)");
-  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
-  command->add_option("--space", options->space, "frame of reference of the points")
-      ->check(CLI::IsMember({"object", "image"}));
-  command->add_option("--rate", options->rate_hz, "frames per second, for column t, where no frames.csv tells it")
-      ->check(CLI::Range(1e-6, 1e9));
-  command->add_option("-o,--output", options->output, "table of points; - is standard output")->capture_default_str();
-  command->footer(
+  command.add_option("-c,--config", options->config, "configuration (TOML) with [light_field] or [multi_view]");
+  command.add_option("--calibration", options->calibration, "light-field calibration or rig file (TOML)");
+  command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
+  command.add_option("--space", options->space, "frame of reference of the points").one_of({"object", "image"});
+  command.add_option("--rate", options->rate_hz, "frames per second, for column t, where no frames.csv tells it")
+      .range(1e-6, 1e9);
+  command.add_option("-o,--output", options->output, "table of points; - is standard output").show_default();
+  command.footer(
       "Columns: frame,x,y,z,residual,support and the covariance var_x,var_y,var_z,cov_xy,cov_xz,cov_yz (mm, mm^2), "
       "then "
       "ghost\n(probability that there is no such particle) and t (s) where it is known. Object space unless --space "
@@ -142,7 +140,7 @@ void add_reconstruct(CLI::App& app, Action& chosen) {
       "  rapidptv reconstruct a.png b.png --calibration cal.toml --set light_field.min_count=30 --space image\n"
       "  rapidptv reconstruct frames/ --set reconstruction.kind=multi_view --calibration rig.toml -o points.csv\n"
       "  rapidptv reconstruct --config rig.toml | rapidptv link - --search-range 0.5 > tracks.csv");
-  command->callback([options, &chosen] { chosen = [options] { return reconstruct(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return reconstruct(*options); }; });
 }
 
 }  // namespace rptv

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
 
@@ -74,25 +73,25 @@ ExitCode run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Action& chosen) {
+void add_run(Command app, Action& chosen) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Take frames, find and link particles, publish tracks");
-  command->add_option("-c,--config", options->config, "configuration (TOML)")->required();
-  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
-  command->add_option("--tracks", options->tracks, "also write tracks to this CSV file");
-  command->add_option("--points", options->points, "also write particles to this CSV file");
-  command->add_option("--endpoint", options->endpoint, "publish here instead of publisher.endpoint");
-  command->add_option("--report", options->report, "write the final report to this JSON file");
-  command->add_option("--log-level", options->log_level, "trace, debug, info, warning, error or off");
-  command->add_flag("--wait-for-subscriber", options->wait_for_subscriber,
-                    "let frames flow only once somebody has subscribed to tracks");
-  command->footer(
+  Command command = app.add_subcommand("run", "Take frames, find and link particles, publish tracks");
+  command.add_option("-c,--config", options->config, "configuration (TOML)").required();
+  command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
+  command.add_option("--tracks", options->tracks, "also write tracks to this CSV file");
+  command.add_option("--points", options->points, "also write particles to this CSV file");
+  command.add_option("--endpoint", options->endpoint, "publish here instead of publisher.endpoint");
+  command.add_option("--report", options->report, "write the final report to this JSON file");
+  command.add_option("--log-level", options->log_level, "trace, debug, info, warning, error or off");
+  command.add_flag("--wait-for-subscriber", options->wait_for_subscriber,
+                   "let frames flow only once somebody has subscribed to tracks");
+  command.footer(
       "Ctrl-C or SIGTERM drains and exits 0; a second Ctrl-C stops at once.\n"
       "Examples:\n"
       "  rapidptv run --config rig.toml\n"
       "  rapidptv run --config rig.toml --tracks tracks.csv --set linker.search_range_mm=0.3\n"
       "  rapidptv run --config rig.toml --set replay.speed=0 --set intake.policy=lossless --tracks tracks.csv");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace rptv

@@ -2,7 +2,6 @@
 // `rapidptv score`: measured points or tracks against the truth, and the profile of the flow that they give.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 
@@ -74,27 +73,27 @@ ExitCode run_score(const ScoreOptions& options) {
 
 }  // namespace
 
-void add_score(CLI::App& app, Action& chosen) {
+void add_score(Command app, Action& chosen) {
   auto options = std::make_shared<ScoreOptions>();
-  CLI::App* command = app.add_subcommand("score", "Compare measured particles or tracks with the truth");
-  command->add_option("measured", options->measured, "tracks or points table (CSV); - is standard input")->required();
-  command->add_option("--truth", options->truth, "true tracks (CSV), with the column in_view when not all can be seen");
+  Command command = app.add_subcommand("score", "Compare measured particles or tracks with the truth");
+  command.add_option("measured", options->measured, "tracks or points table (CSV); - is standard input").required();
+  command.add_option("--truth", options->truth, "true tracks (CSV), with the column in_view when not all can be seen");
   command
-      ->add_option("--radius-mm", options->radius_mm,
-                   "a particle is found when it is this near, per axis: one number or x y z (default 0.1 0.1 0.5)")
-      ->expected(1, 3)
-      ->delimiter(',');
-  command->add_option("--profile", options->scenario,
-                      "scenario (TOML) of a wall or a duct: measure its profile and compare with theory");
-  command->add_option("--profile-csv", options->profile_csv, "also write the profile to this CSV file");
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->footer(
+      .add_option("--radius-mm", options->radius_mm,
+                  "a particle is found when it is this near, per axis: one number or x y z (default 0.1 0.1 0.5)")
+      .expected(1, 3)
+      .delimiter(',');
+  command.add_option("--profile", options->scenario,
+                     "scenario (TOML) of a wall or a duct: measure its profile and compare with theory");
+  command.add_option("--profile-csv", options->profile_csv, "also write the profile to this CSV file");
+  command.add_flag("--json", options->json, "print one JSON object");
+  command.footer(
       "Definitions: Sciacchitano et al. 2021 (1st LPT challenge); pairs are one to one, nearest first.\n"
       "Examples:\n"
       "  rapidptv score tracks.csv --truth run/truth.csv\n"
       "  rapidptv score points.csv --truth run/truth.csv --radius-mm 0.05,0.05,0.3 --json\n"
       "  rapidptv score tracks.csv --truth run/truth.csv --profile run/scenario.toml --profile-csv profile.csv");
-  command->callback([options, &chosen] { chosen = [options] { return run_score(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return run_score(*options); }; });
 }
 
 }  // namespace rptv

@@ -2,7 +2,6 @@
 // `rapidptv simulate`: images of a flow with known truth, in a folder that `run` can replay.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "core/json.hpp"
@@ -75,20 +74,20 @@ ExitCode simulate(const SimulateOptions& options) {
 
 }  // namespace
 
-void add_simulate(CLI::App& app, Action& chosen) {
+void add_simulate(Command app, Action& chosen) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command = app.add_subcommand("simulate", "Make images of a simulated flow, with the truth beside them");
-  command->add_option("-o,--out", options->out, "folder to write: frames/, truth.csv, calibration.toml, rig.toml, …");
-  command->add_option("--scenario", options->scenario,
-                      "name of an installed scenario, or a file (TOML); default: an oscillating wall in a 7 mm cube");
-  command->add_flag("--list", options->list, "name the scenarios that are installed, and stop");
-  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
-  command->add_option("--threads", options->threads, "threads that render; 0: one per processor");
-  command->add_flag("--show", options->show, "print the scenario as TOML, with every setting explained, and stop");
-  command->add_flag("--describe", options->describe,
-                    "print what lens, array and camera amount to (of several cameras: the rig), and stop");
-  command->add_flag("--json", options->json, "print a summary as one JSON object");
-  command->footer(
+  Command command = app.add_subcommand("simulate", "Make images of a simulated flow, with the truth beside them");
+  command.add_option("-o,--out", options->out, "folder to write: frames/, truth.csv, calibration.toml, rig.toml, …");
+  command.add_option("--scenario", options->scenario,
+                     "name of an installed scenario, or a file (TOML); default: an oscillating wall in a 7 mm cube");
+  command.add_flag("--list", options->list, "name the scenarios that are installed, and stop");
+  command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
+  command.add_option("--threads", options->threads, "threads that render; 0: one per processor");
+  command.add_flag("--show", options->show, "print the scenario as TOML, with every setting explained, and stop");
+  command.add_flag("--describe", options->describe,
+                   "print what lens, array and camera amount to (of several cameras: the rig), and stop");
+  command.add_flag("--json", options->json, "print a summary as one JSON object");
+  command.footer(
       "Examples:\n"
       "  rapidptv simulate --out run\n"
       "  rapidptv simulate --out run --set frames=100 --set flow.frequency_hz=10 --set seed=7\n"
@@ -97,7 +96,7 @@ void add_simulate(CLI::App& app, Action& chosen) {
       "  rapidptv simulate --scenario lpt_challenge --out lpt --set views.per_pixel=0.025\n"
       "  rapidptv simulate --out dense --set flow.kind=random --set frames=20 --set seeding.per_lenslet=0.1\n"
       "  rapidptv simulate --show > scenario.toml && rapidptv simulate --scenario scenario.toml --out run");
-  command->callback([options, &chosen] { chosen = [options] { return simulate(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return simulate(*options); }; });
 }
 
 }  // namespace rptv

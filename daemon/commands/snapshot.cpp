@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // `rapidptv snapshot`: one image of each camera, in its full depth.
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "daemon/commands/command.hpp"
@@ -26,22 +25,22 @@ ExitCode snapshot(const SnapshotOptions& options) {
 
 }  // namespace
 
-void add_snapshot(CLI::App& app, Action& chosen) {
+void add_snapshot(Command app, Action& chosen) {
   auto options = std::make_shared<SnapshotOptions>();
-  CLI::App* command = app.add_subcommand("snapshot", "Write one image of each camera, and say how it is exposed");
-  command->add_option("-c,--config,config", options->config, "configuration (TOML)")->required();
-  command->add_option("-o,--out", options->out, "folder, or PNG file; else CAMERA.png in the working directory");
-  command->add_option("--set", options->set, "override one setting: key=value")->allow_extra_args(false);
-  command->add_option("--patience", options->patience_s, "seconds to wait for an image")
-      ->check(CLI::Range(0.001, 3600.0))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "print one JSON object a camera");
-  command->footer(
+  Command command = app.add_subcommand("snapshot", "Write one image of each camera, and say how it is exposed");
+  command.add_option("-c,--config,config", options->config, "configuration (TOML)").required();
+  command.add_option("-o,--out", options->out, "folder, or PNG file; else CAMERA.png in the working directory");
+  command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
+  command.add_option("--patience", options->patience_s, "seconds to wait for an image")
+      .range(0.001, 3600.0)
+      .show_default();
+  command.add_flag("--json", options->json, "print one JSON object a camera");
+  command.footer(
       "Prints file, depth, least, greatest and mean grey value, saturated share, time and settings of each camera.\n"
       "Examples:\n"
       "  rapidptv snapshot rig.toml -o focus.png\n"
       "  rapidptv snapshot rig.toml --set aravis.exposure_us=500 --json | jq .saturated");
-  command->callback([options, &chosen] { chosen = [options] { return snapshot(*options); }; });
+  command.callback([options, &chosen] { chosen = [options] { return snapshot(*options); }; });
 }
 
 }  // namespace rptv

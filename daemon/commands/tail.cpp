@@ -2,7 +2,6 @@
 // `rapidptv tail`: prints the live stream as lines for people or JSON for scripts.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <iostream>
 
@@ -123,31 +122,31 @@ class Tail {
 
 }  // namespace
 
-void add_tail(CLI::App& app, Action& chosen) {
+void add_tail(Command app, Action& chosen) {
   auto options = std::make_shared<TailOptions>();
-  CLI::App* command = app.add_subcommand("tail", "Print the live stream of a running rapidptv");
-  command->add_option("endpoint", options->endpoint,
-                      "where it publishes (default: the service's socket, else your own)");
-  command->add_option("--topic", options->topics, "what to print; several separated by commas")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"tracks", "particles", "status", "rig"}))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "one JSON object per line with all data (mm, mm/s, ns)");
-  command->add_option("--count", options->count, "end after this many messages");
+  Command command = app.add_subcommand("tail", "Print the live stream of a running rapidptv");
+  command.add_option("endpoint", options->endpoint,
+                     "where it publishes (default: the service's socket, else your own)");
+  command.add_option("--topic", options->topics, "what to print; several separated by commas")
+      .delimiter(',')
+      .one_of({"tracks", "particles", "status", "rig"})
+      .show_default();
+  command.add_flag("--json", options->json, "one JSON object per line with all data (mm, mm/s, ns)");
+  command.add_option("--count", options->count, "end after this many messages");
   command
-      ->add_option("--timeout", options->timeout_s,
-                   "end when nothing comes for this many seconds; 69 if nothing came at all")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--latency", options->latency,
-                    "at the end, print P50, P99, P99.9 and max from exposure end to each stage");
-  command->add_option("--server-key", options->server_key, "public CURVE key of the publisher (TCP beyond loopback)");
-  command->footer(
+      .add_option("--timeout", options->timeout_s,
+                  "end when nothing comes for this many seconds; 69 if nothing came at all")
+      .positive();
+  command.add_flag("--latency", options->latency,
+                   "at the end, print P50, P99, P99.9 and max from exposure end to each stage");
+  command.add_option("--server-key", options->server_key, "public CURVE key of the publisher (TCP beyond loopback)");
+  command.footer(
       "Examples:\n"
       "  rapidptv tail\n"
       "  rapidptv tail --topic status\n"
       "  rapidptv tail tcp://127.0.0.1:5555 --json --count 100 | jq .x\n"
       "  rapidptv tail --latency --count 1000 --timeout 5");
-  command->callback([options, &chosen] {
+  command.callback([options, &chosen] {
     chosen = [options] {
       stop_on_signals();
       return Tail(*options).run();
