@@ -5,14 +5,14 @@
 add_custom_target(concurrent_tests)
 add_custom_target(fuzz_targets)
 
-# rptv_test(name SOURCES… LINK… [LABELS…] [ENVIRONMENT…] [TIMEOUT seconds] [RUNNER command…]): one GoogleTest binary = one ctest entry.
+# rptv_test(name SOURCES… LINK… [LABELS…] [ENVIRONMENT…] [TIMEOUT seconds] [RUNNER command…] [ARGUMENTS…]): one GoogleTest binary = one ctest entry.
 # Label `concurrent` makes the TSan run build and execute it; tests over shared data use RPTV_SHARED_DATA from the environment and skip
 # without it. RUNNER is what the binary is given to instead of being run here.
 function(rptv_test name)
   if(NOT RPTV_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;ENVIRONMENT;RUNNER" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;ENVIRONMENT;RUNNER;ARGUMENTS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -30,7 +30,7 @@ function(rptv_test name)
       set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)  # scripts/test leaves them out there; built by name
     endif()
   endif()
-  add_test(NAME ${name} COMMAND ${ARG_RUNNER} $<TARGET_FILE:${name}>)
+  add_test(NAME ${name} COMMAND ${ARG_RUNNER} $<TARGET_FILE:${name}> ${ARG_ARGUMENTS})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()
 
