@@ -27,7 +27,7 @@ SKIPPED = {"build", "demo-out", "__pycache__", "node_modules"}
 
 # Libraries that stay behind one door: header pattern -> where it may be included.
 DOORS = [
-    (r"cuda|cub/|thrust/", r"reconstruct/\w+_cuda\.cu|core/frame_pool\.\w+", "CUDA"),
+    (r"cuda|cub/|thrust/", r"reconstruct/(\w+/)?(\w+_cuda\.cu|cuda_\w+\.(cu|hpp))|core/frame_pool\.\w+|tests/cuda_host/.*", "CUDA"),
     (r"arv\.h|aravis", r"acquisition/aravis_\w+\.cpp|tests/acquisition/.*", "Aravis"),
     (r"linux/videodev2\.h", r"acquisition/v4l2_\w+\.cpp|tests/acquisition/.*", "V4L2"),
     (r"libudev\.h", r"acquisition/v4l2_watch\.cpp", "libudev"),
@@ -85,8 +85,8 @@ def check_text(root, path, lines):
         yield 2, "no sentence after the licence line that says what the file is for; write one"
     if len(lines) > LINES.get(suffix, len(lines)):
         yield len(lines), f"{len(lines)} lines; {suffix} files have at most {LINES[suffix]}: split it"
-    if suffix == ".cu" and not re.fullmatch(r"reconstruct/\w+_cuda\.cu", name):
-        yield 1, "CUDA source outside reconstruct/*_cuda.cu; move it"
+    if suffix == ".cu" and not re.fullmatch(DOORS[0][1], name):
+        yield 1, f"CUDA source outside {DOORS[0][1]}; move it"
     for number, line in enumerate(lines, 1):
         if LEFTOVERS.search(line):
             yield number, f"leftover '{LEFTOVERS.search(line).group()}'; do it or file an issue"
