@@ -80,6 +80,6 @@ function(rptv_cuda_library name)
   set_target_properties(${name} PROPERTIES CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON CUDA_EXTENSIONS OFF
     CUDA_SEPARABLE_COMPILATION OFF CUDA_RUNTIME_LIBRARY Static POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${name} PRIVATE
-    --fmad=false --threads=2 -Werror=all-warnings -Xcompiler=-ffp-contract=off,-Wall,-Wextra,-Werror)
+    --fmad=false --expt-relaxed-constexpr --threads=2 -Werror=all-warnings -Xcompiler=-ffp-contract=off,-Wall,-Wextra,-Werror)
   target_link_libraries(${name} PUBLIC rptv_flags ${ARG_LINK} PRIVATE CUDA::cudart_static)
 endfunction()
