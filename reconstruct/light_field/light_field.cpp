@@ -10,7 +10,6 @@
 #include "reconstruct/light_field/dense_search.hpp"
 #include "reconstruct/light_field/ghost_probability.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
-#include "reconstruct/parallel.hpp"
 #include "reconstruct/running_background.hpp"
 
 namespace rptv {
