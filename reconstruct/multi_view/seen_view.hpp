@@ -14,17 +14,6 @@
 
 namespace rptv {
 
-/// Column and row by which a ray misses a point (relative to the volume's centre), px: the reprojection error, to first
-/// order in itself.
-inline std::array<double, 2> miss_px(const SeenRay& ray, const Matrix3& axes, const Point3& at_mm) noexcept {
-  const double t = dot(axes[2], at_mm);
-  const double off_x = dot(axes[0], at_mm) - ray.x - t * ray.dx, off_y = dot(axes[1], at_mm) - ray.y - t * ray.dy;
-  const double a = ray.foot[0] + t * ray.foot_dt[0], b = ray.foot[1] + t * ray.foot_dt[1];
-  const double c = ray.foot[2] + t * ray.foot_dt[2], d = ray.foot[3] + t * ray.foot_dt[3];
-  const double per = 1 / (a * d - b * c);
-  return {per * (d * off_x - b * off_y), per * (a * off_y - c * off_x)};
-}
-
 /// Memory is taken at construction. One thread at a time.
 class SeenView {
  public:
