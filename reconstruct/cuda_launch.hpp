@@ -8,7 +8,7 @@
 
 namespace rptv {
 
-/// Queues `kernel` on `stream` (a cudaStream_t) with as many blocks as give `items` a thread each, 65535 at most: a
+/// Queues `kernel` on `stream` (a cudaStream_t) with as many blocks as give `items` a thread each, 2048 at most: a
 /// kernel goes on from item i to i + cuda_stride(). False when the runtime refuses; its error stays with
 /// take_cuda_error(). No items are no launch.
 template <class... Parameters, class... Arguments>
@@ -17,7 +17,7 @@ bool launch(void (*kernel)(Parameters...), std::size_t items, unsigned threads_p
   if (items == 0) return true;
   const std::size_t blocks = (items + threads_per_block - 1) / threads_per_block;
   cudaLaunchConfig_t config{};
-  config.gridDim = dim3(static_cast<unsigned>(blocks < 65535 ? blocks : 65535));
+  config.gridDim = dim3(static_cast<unsigned>(blocks < 2048 ? blocks : 2048));
   config.blockDim = dim3(threads_per_block);
   config.stream = static_cast<cudaStream_t>(stream);
   return cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...) == cudaSuccess;

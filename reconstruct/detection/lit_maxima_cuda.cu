@@ -3,6 +3,7 @@
 #include "reconstruct/detection/lit_maxima_cuda.hpp"
 
 #include "reconstruct/cuda_launch.hpp"
+#include "reconstruct/cuda_prefix_sum.hpp"
 #include "reconstruct/detection/lit_maximum_kernel.hpp"
 
 namespace rptv {
@@ -35,21 +36,10 @@ __global__ void count_maxima(CudaImage image, CudaDark dark, std::uint32_t* row_
   }
 }
 
-// Counts of rows become the sums of those up to them; one warp.
+// Counts of rows become the sums of those up to them; one block.
 __global__ void add_up(std::uint32_t* row_start, std::uint32_t rows) {
-  const std::uint32_t lane = threadIdx.x;
-  std::uint32_t sum = 0;
-  for (std::uint32_t first = 1; first <= rows; first += kWarp) {
-    const std::uint32_t row = first + lane;
-    std::uint32_t up_to = row <= rows ? row_start[row] : 0;
-    for (std::uint32_t step = 1; step < kWarp; step *= 2) {
-      const std::uint32_t before = __shfl_up_sync(kAllLanes, up_to, step);
-      up_to += lane >= step ? before : 0;
-    }
-    if (row <= rows) row_start[row] = sum + up_to;
-    sum += __shfl_sync(kAllLanes, up_to, kWarp - 1);
-  }
-  if (lane == 0) row_start[0] = 0;
+  prefix_sum(row_start + 1, rows);
+  if (threadIdx.x == 0) row_start[0] = 0;
 }
 
 template <class Pixel>
@@ -72,7 +62,7 @@ bool find(const CudaImage& image, const CudaDark& dark, const CudaMaxima& out, v
           unsigned threads) noexcept {
   const std::size_t all = std::size_t{image.height_px} * kWarp;
   return launch(count_maxima<Pixel>, all, threads, stream, image, dark, out.row_start) &&
-         launch(add_up, kWarp, kWarp, stream, out.row_start, image.height_px) &&
+         launch(add_up, threads, threads, stream, out.row_start, image.height_px) &&
          launch(write_maxima<Pixel>, all, threads, stream, image, dark, out);
 }
 

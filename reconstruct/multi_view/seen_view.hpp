@@ -33,6 +33,11 @@ class SeenView {
   const SeenRay& ray(std::size_t i) const noexcept { return ray_[i]; }
   /// Misses in px of the ray at depth 0, as rows of eq. (4) for (x, y, z) / scale_mm.
   const DltRowPair& rows(std::size_t i) const noexcept { return row_pair_[i]; }
+  /// All of the last look(), for copies: size() each.
+  const SeenRay* rays_begin() const noexcept { return ray_.data(); }
+  const DltRowPair* rows_begin() const noexcept { return row_pair_.data(); }
+  const double* u_begin() const noexcept { return u_.data(); }
+  const double* v_begin() const noexcept { return v_.data(); }
   /// A point of the ray, and its direction per mm of depth, in the rig's axes, relative to the volume's centre.
   void sight(std::size_t i, Point3& from_mm, Point3& along) const noexcept;
 

@@ -56,7 +56,7 @@ __global__ void choose(CudaTuples tuples, CudaGhosts ghosts, CudaRank rank) {
       free = free && ghosts.used[d] == 0;
       atomicExch(&ghosts.owner[d], kNobody);
     });
-    ghosts.chosen[i] = free ? kWaiting : kDropped;
+    if (ghosts.chosen[i] != kTaken) ghosts.chosen[i] = free ? kWaiting : kDropped;
   }
   int waiting = 1;
   while (__syncthreads_or(waiting) != 0) {

@@ -14,7 +14,7 @@ enum class CudaRank : std::uint32_t {
 /// Device memory. Of view v's detection d: [v·max_detections + d].
 struct CudaGhosts {
   const double* s;        ///< of each tuple
-  std::uint32_t* chosen;  ///< of each tuple: written, 1 or 0
+  std::uint32_t* chosen;  ///< of each tuple: 1 where it is chosen, and stays so in later calls; the caller zeroes it
   std::uint32_t* used;   ///< by detection: 1 where a tuple that was chosen has it; the caller zeroes it for a new frame
   std::uint32_t* owner;  ///< by detection: scratch
   std::uint32_t max_detections;
@@ -22,10 +22,9 @@ struct CudaGhosts {
 
 /// Queues the choice on `stream` (a cudaStream_t): what going through the tuples in order of rank and taking each whose
 /// detections are all free gives. Of equal ranks that with the lower detections (unseen: none) goes first, so the order
-/// of the tuples is of no account. A tuple whose s is not a number is
-/// never taken. One block, which goes in rounds: each takes every tuple that is the best at all its
-/// detections, and drops those that lose one by it; the best tuple left is always taken, so it ends. False when the
-/// runtime refuses.
+/// of the tuples is of no account. A tuple whose s is not a number is never taken. One block, which goes in rounds:
+/// each takes every tuple that is the best at all its detections, and drops those that lose one by it; the best tuple
+/// left is always taken, so it ends. False when the runtime refuses.
 bool choose_by_rank_cuda(const CudaTuples& tuples, const CudaGhosts& ghosts, CudaRank rank, void* stream,
                          unsigned threads_per_block = 512) noexcept;
 
