@@ -72,14 +72,14 @@ if(RPTV_CUDA_WANTED STREQUAL "AUTO" OR RPTV_CUDA_WANTED)
   endif()
 endif()
 
-# rptv_cuda_library(name SOURCES x_cuda.cu… LINK…): a static library of CUDA sources, which share no device functions.
+# rptv_cuda_library(name SOURCES x_cuda.cu… LINK…): a static library of CUDA (and C++) sources, which share no device functions.
 # C++17: nvcc 11.8 has no newer one, and CMake 3.25.1 knows none of nvcc's. Rounding is as on the CPU: nothing is fused.
 function(rptv_cuda_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON CUDA_EXTENSIONS OFF
     CUDA_SEPARABLE_COMPILATION OFF CUDA_RUNTIME_LIBRARY Static POSITION_INDEPENDENT_CODE ON)
-  target_compile_options(${name} PRIVATE
-    --fmad=false --threads=2 -Werror=all-warnings -Xcompiler=-ffp-contract=off,-Wall,-Wextra,-Werror)
+  target_compile_options(${name} PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:--fmad=false;--expt-relaxed-constexpr;--threads=2;\
+-Werror=all-warnings;-Xcompiler=-ffp-contract=off,-Wall,-Wextra,-Werror>")
   target_link_libraries(${name} PUBLIC rptv_flags ${ARG_LINK} PRIVATE CUDA::cudart_static)
 endfunction()

@@ -16,6 +16,7 @@
 #include "calibration/light_field/light_field_calibration.hpp"
 #include "core/json.hpp"
 #include "core/losses.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/config.hpp"
 #include "daemon/publisher.hpp"
 #include "daemon/session.hpp"
@@ -37,7 +38,7 @@ class Checks {
     check("source", config_.has_value(), [&] { return source(); });
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
       make_reconstructor(*config_, source_->cameras());
-      return fmt::format("room for {} particles a frame", config_->max_particles());
+      return fmt::format("room for {} particles a frame; {}", config_->max_particles(), choose_backend(*config_).text);
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });
     check("output", config_.has_value(), [&] { return output(); });

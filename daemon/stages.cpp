@@ -8,6 +8,7 @@
 #include "acquisition/v4l2_source.hpp"
 #include "calibration/light_field/light_field_calibration.hpp"
 #include "core/error.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/light_field/light_field.hpp"
@@ -94,10 +95,11 @@ std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std:
                                              std::to_string(shape.width_px) + " x " + std::to_string(shape.height_px) +
                                              "; use the calibration of this camera and region of interest");
   const BackgroundImage background(settings.background_image, shape);
-  return std::make_unique<LightField>(settings, calibration, background.view());
+  return std::make_unique<LightField>(settings, calibration, background.view(), choose_backend(config).make_device);
 }
 
 std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::vector<CameraInfo>& cameras) {
+  choose_backend(config);
   const MultiViewSettings& settings = config.multi_view;
   if (settings.rig.empty())
     throw Error(ExitCode::configuration,

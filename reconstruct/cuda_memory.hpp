@@ -35,9 +35,9 @@ class CudaBytes {
 
 /// Elements on the device, for kernels' arguments and copies only.
 template <class T>
-class CudaArray {
+class DeviceArray {
  public:
-  explicit CudaArray(std::size_t size = 0) : bytes_(CudaBytes::Place::device, size * sizeof(T)), size_(size) {}
+  explicit DeviceArray(std::size_t size = 0) : bytes_(CudaBytes::Place::device, size * sizeof(T)), size_(size) {}
   T* data() const noexcept { return static_cast<T*>(bytes_.data()); }
   std::size_t size() const noexcept { return size_; }
 

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/reconstruct_views.hpp"
 #include "daemon/config.hpp"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct ReconstructOptions {
   std::vector<std::string> images;
-  std::string config, calibration, space;
+  std::string config, calibration, space, backend;
   std::string output = "-";
   double rate_hz = 0;
   std::vector<std::string> set;
@@ -34,6 +35,7 @@ Config resolve(const ReconstructOptions& options) {
       config.reconstruction.is_multi_view() ? config.multi_view.rig : config.light_field.calibration;
   if (!options.calibration.empty()) calibration = options.calibration;
   if (!options.space.empty()) config.light_field.space = options.space;
+  if (!options.backend.empty()) config.reconstruction.backend = options.backend;
   if (options.rate_hz > 0) config.replay.rate_hz = options.rate_hz;
   if (options.images.size() == 1) config.replay.path = options.images.front();
   if (options.images.empty() && config.replay.path.empty())
@@ -79,10 +81,12 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
                              counts.refused_candidates);
   if (counts.refused_particles > 0)
     std::cerr << fmt::format("{} particles were left out: raise light_field.max_particles\n", counts.refused_particles);
+  if (counts.device_failed) std::cerr << "the device failed on the way; the CPU did the rest, with the same results\n";
 }
 
 ExitCode reconstruct(const ReconstructOptions& options) {
   const Config config = resolve(options);
+  std::cerr << choose_backend(config).text << '\n';
   if (config.reconstruction.is_multi_view()) {
     if (options.images.size() > 1)
       throw Error(ExitCode::usage, "multi-view needs one folder that holds the images of all cameras; name that");
@@ -125,6 +129,8 @@ void add_reconstruct(Command app, Action& chosen) {
   command.add_option("--calibration", options->calibration, "light-field calibration or rig file (TOML)");
   command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
   command.add_option("--space", options->space, "frame of reference of the points").one_of({"object", "image"});
+  command.add_option("--backend", options->backend, "processor that reconstructs, instead of reconstruction.backend")
+      .one_of({"auto", "cuda", "cpu"});
   command.add_option("--rate", options->rate_hz, "frames per second, for column t, where no frames.csv tells it")
       .range(1e-6, 1e9);
   command.add_option("-o,--output", options->output, "table of points; - is standard output").show_default();

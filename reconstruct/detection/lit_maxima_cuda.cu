@@ -10,8 +10,6 @@ namespace rptv {
 
 namespace {
 
-constexpr std::uint32_t kWarp = 32, kAllLanes = 0xFFFFFFFFU;
-
 // visit(x, lanes, found) for each 32 pixels of the row `y`: lanes with a maximum, and whether this one has.
 template <class Pixel, class Visit>
 __device__ void each_maximum(const CudaImage& image, const CudaDark& dark, std::uint32_t y, const Visit& visit) {

@@ -4,18 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "calibration/light_field/object_map.hpp"
-#include "reconstruct/light_field/classify_dbscan.hpp"
-#include "reconstruct/light_field/classify_local_maxima.hpp"
-#include "reconstruct/light_field/coarse_maxima.hpp"
+#include "reconstruct/light_field/candidate_search.hpp"
 #include "reconstruct/light_field/dense_search.hpp"
 #include "reconstruct/light_field/ghost_probability.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
-#include "reconstruct/light_field/pixels_to_rays.hpp"
-#include "reconstruct/lit_pixels.hpp"
-#include "reconstruct/parallel.hpp"
 #include "reconstruct/running_background.hpp"
 
 namespace rptv {
@@ -27,14 +21,6 @@ ImageShape shape_of(const LightFieldCalibration& calibration) {
           static_cast<std::uint32_t>(calibration.sensor.height_px), 2};
 }
 
-std::array<std::int32_t, 3> half_widths(const std::vector<double>& radius_um, const VoxelGrid& grid) {
-  const auto voxels = [](double um, float step_mm) {
-    return static_cast<std::int32_t>(std::clamp(um * 1e-3 / step_mm, 1.0, 64.0));
-  };
-  return {voxels(radius_um.at(0), grid.step_x_mm), voxels(radius_um.at(1), grid.step_y_mm),
-          voxels(radius_um.at(2), grid.step_z_mm)};
-}
-
 double per_pupil_distance(const LightFieldCalibration& calibration) {
   return calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0;
 }
@@ -42,11 +28,10 @@ double per_pupil_distance(const LightFieldCalibration& calibration) {
 }  // namespace
 
 struct LightField::Stages {
-  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background);
+  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background,
+         const MakeLightFieldDevice& make_device);
 
   const DarkPixels& now_dark() const noexcept { return learner ? learner->dark() : dark; }
-  void find_candidates(bool first_round) noexcept;
-  bool cloud_is_dense() const noexcept;
   void find_particles(std::size_t lit_pixels) noexcept;
   std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
@@ -61,28 +46,22 @@ struct LightField::Stages {
   const RayWindow window;
   const VoxelGrid grid;
   const std::uint16_t min_count;
-  const std::array<std::int32_t, 3> maximum_half_width;
   const ObjectMap object_map;
   const bool in_object_space;
 
   std::vector<std::uint32_t> lit;
   Rays rays;
-  RayCounter counter;
-  std::optional<CoarseMaxima> coarse_maxima;  // or else cloud and dbscan
-  VoxelCloud cloud;
-  Dbscan dbscan;
-  std::vector<Candidate> candidates;
+  CandidateSearch search;
   ExplainAway explain_away;
   std::unique_ptr<RunningBackground> learner;  // with settings.running_background
   std::unique_ptr<Shake> shake;                // with settings.refine
   std::unique_ptr<DenseSearch> dense_search;   // with settings.refine_search = "grey_values"
   std::vector<FittedParticle> particles;
-  bool dense = true;  // the first round decides for the frame
   LightFieldCounts counts;
 };
 
 LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration,
-                           const ImageView& background)
+                           const ImageView& background, const MakeLightFieldDevice& make_device)
     : settings(s),
       shape(shape_of(calibration)),
       dark(make_dark({s.background, s.threshold, s.background_image}, shape, background)),
@@ -91,18 +70,13 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
       grid(make_grid(s, calibration, pixels_to_rays.slope_half_range())),
       min_count(make_min_count(s, calibration)),
-      maximum_half_width(half_widths(s.maximum_radius_um, grid)),
       object_map(calibration),
       in_object_space(s.space == "object"),
       lit(static_cast<std::size_t>(s.max_rays)),
       rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
-      counter(grid, static_cast<std::size_t>(s.max_rays), thread_count(s.threads)),
-      cloud(static_cast<std::size_t>(s.max_candidates)),
-      dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
-             static_cast<std::size_t>(s.dbscan_min_points)),
+      search(s, {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles)},
+             min_count, make_device),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
-  if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
-  candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
   particles.reserve(static_cast<std::size_t>(s.max_particles));
   if (s.running_background)
     learner = std::make_unique<RunningBackground>(
@@ -115,32 +89,13 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
   if (s.refine_search == "grey_values") dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
 }
 
-bool LightField::Stages::cloud_is_dense() const noexcept {
-  if (settings.classification != "auto") return settings.classification == "local_maxima";
-  const double voxels = static_cast<double>(grid.size_x) * grid.size_y * grid.planes;
-  return static_cast<double>(cloud.voxels().size()) > settings.density_limit * voxels;
-}
-
-void LightField::Stages::find_candidates(bool first_round) noexcept {
-  candidates.clear();
-  if (coarse_maxima) {
-    counts.refused_candidates += coarse_maxima->find(counter, min_count, candidates);
-  } else {
-    counts.refused_candidates += cloud.collect(counter);
-    if (first_round) dense = cloud_is_dense();
-    counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                       : dbscan.classify(counter, cloud, candidates);
-  }
-  counts.candidates += candidates.size();
-}
-
 // Appends what the first `lit_pixels` of `lit` show.
 void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
-  counts.refused_pixels += pixels_to_rays.convert({lit.data(), lit_pixels}, rays);  // eq. (5)
+  counts.refused_pixels += search.find_rays({lit.data(), lit_pixels}, rays);
   explain_away.begin(rays);
   for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
-    counter.count(rays, explain_away.taken(), min_count);  // eq. (6), (7)
-    find_candidates(round == 0);
+    const auto candidates = search.find(rays, explain_away.taken(), round == 0);
+    counts.refused_candidates += search.refused(), counts.candidates += candidates.size();
     ++counts.rounds;
     if (explain_away.explain(rays, candidates) == 0) break;
   }
@@ -209,10 +164,10 @@ void LightField::Stages::write(Particles& out) const noexcept {
 }
 
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
-                       const ImageView& background) {
+                       const ImageView& background, const MakeLightFieldDevice& make_device) {
   check_choices(settings);
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
-  stages_ = std::make_unique<Stages>(settings, calibration, background);
+  stages_ = std::make_unique<Stages>(settings, calibration, background, make_device);
 }
 
 LightField::~LightField() = default;
@@ -234,7 +189,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
     return;
   }
   if (s.learner) s.learner->refresh();
-  const std::size_t lit = find_lit_pixels(image, s.now_dark().limit, s.lit);
+  const std::size_t lit = s.search.find_lit(image, s.now_dark().limit, s.learner != nullptr, s.lit);
   s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
   s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
   s.particles.clear();
@@ -243,6 +198,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
   s.write(out);
   if (s.learner) s.learner->offer(image);
+  s.counts.device_failed = s.search.device_failed();
   ++s.counts.frames;
 }
 

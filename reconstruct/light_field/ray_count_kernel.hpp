@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "reconstruct/host_device.hpp"
-#include "reconstruct/light_field/rays.hpp"
+#include "reconstruct/light_field/ray.hpp"
 
 namespace rptv {
 

@@ -21,7 +21,7 @@ struct TupleMemory {
     return {detection.data(), count.data(), static_cast<std::uint32_t>(detection.size() / views),
             static_cast<std::uint32_t>(views)};
   }
-  CudaArray<std::uint32_t> detection, count;
+  DeviceArray<std::uint32_t> detection, count;
 };
 
 /// Throws Error(unavailable) when the device has no room.
@@ -63,17 +63,17 @@ struct MatchMemory {
         counts(1) {}
 
   const std::size_t max_detections, max_pairs, max_tuples, max_matches;
-  CudaArray<SeenRay> ray;
-  CudaArray<double> u, v, rows;
-  CudaArray<std::uint32_t> settled, used, owner, cell_start, cell, cell_entry, bin_start, bin, bin_entry;
-  CudaArray<std::uint32_t> pair_first, pair_second, pair_count;
-  CudaArray<double> pair_depth_mm;
-  CudaArray<std::uint32_t> hit, hits;
+  DeviceArray<SeenRay> ray;
+  DeviceArray<double> u, v, rows;
+  DeviceArray<std::uint32_t> settled, used, owner, cell_start, cell, cell_entry, bin_start, bin, bin_entry;
+  DeviceArray<std::uint32_t> pair_first, pair_second, pair_count;
+  DeviceArray<double> pair_depth_mm;
+  DeviceArray<std::uint32_t> hit, hits;
   TupleMemory tuples, doubtful, matches;
-  CudaArray<double> point, match;
-  CudaArray<std::uint32_t> chosen, packed_count;
-  CudaArray<CudaChosen> packed;
-  CudaArray<CudaMatchCounts> counts;
+  DeviceArray<double> point, match;
+  DeviceArray<std::uint32_t> chosen, packed_count;
+  DeviceArray<CudaChosen> packed;
+  DeviceArray<CudaMatchCounts> counts;
 };
 
 /// What goes up, and comes back, of one frame set.

@@ -33,7 +33,7 @@ class MatchRig {
   CorrespondenceOptions options_;
   std::vector<CudaViewGeometry> geometry_;
   std::array<std::array<PencilOfLines, kMaxViews>, kMaxViews> lines_;
-  CudaArray<CudaViewGeometry> device_;
+  DeviceArray<CudaViewGeometry> device_;
   CudaJudging judging_;
 };
 
