@@ -67,7 +67,7 @@ std::string disagreement(LightFieldDevice& device, const LightFieldDevicePlan& p
   std::vector<std::uint8_t> taken(plan.max_rays);
   std::vector<Candidate> candidates, device_candidates;
   candidates.reserve(plan.max_candidates), device_candidates.reserve(plan.max_candidates);
-  for (const std::uint16_t least : {1, 3, 10}) {
+  for (const std::uint16_t least : std::initializer_list<std::uint16_t>{1, 3, 10}) {
     candidates.clear(), device_candidates.clear();
     counter.count(rays, taken, least);
     const std::size_t left_out = maxima.find(counter, least, candidates);

@@ -2,12 +2,21 @@
 // A thread a pair and view asks; a thread a pair writes the tuples.
 #include "reconstruct/multi_view/extend_pairs_cuda.hpp"
 
+#include "reconstruct/cuda_bin_sort.hpp"
 #include "reconstruct/multi_view/asked_place_kernel.hpp"
-#include "reconstruct/multi_view/cuda_bin_sort.hpp"
 
 namespace rptv {
 
 namespace {
+
+// A detection's cell.
+struct CellBinOf {
+  CudaSeen seen;
+  CellOf cell_of;
+  __device__ std::uint32_t operator()(std::uint32_t i) const {
+    return seen.u[i] == seen.u[i] ? cell_of(seen.u[i], seen.v[i]) : kNoBin;
+  }
+};
 
 // Where a pair says that a view sees the particle.
 struct Question {
@@ -107,7 +116,8 @@ __global__ void write_tuples(CudaViews views, CudaPairs pairs, CudaExtension ext
 
 bool sort_into_cells_cuda(const CudaViews& views, std::uint32_t view, std::uint32_t count, const CellOf& cell_of,
                           void* stream, unsigned threads_per_block) noexcept {
-  return sort_into_bins(views.seen(view, count), cell_of, CellOf::kCells, views.cells(view), stream, threads_per_block);
+  return sort_into_bins(CellBinOf{views.seen(view, count), cell_of}, count, CellOf::kCells, views.cells(view), stream,
+                        threads_per_block);
 }
 
 bool extend_pairs_cuda(const CudaViews& views, const CudaPairs& pairs, const CudaExtension& extension,

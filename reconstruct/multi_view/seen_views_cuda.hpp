@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "reconstruct/cuda_bins.hpp"
 #include "reconstruct/multi_view/seen_ray_kernel.hpp"
 
 namespace rptv {
@@ -14,12 +15,6 @@ struct CudaSeen {
   const double *u, *v;           ///< in the view's pinhole image, px; not a number: unusable
   const std::uint32_t* settled;  ///< not 0: leave this detection alone
   std::uint32_t count;           ///< detections
-};
-
-/// Detections of one view in bins; device memory. Bin b's are entry[start[b]] to entry[start[b + 1]].
-struct CudaBins {
-  std::uint32_t* start;        ///< one more than bins
-  std::uint32_t *bin, *entry;  ///< by detection
 };
 
 /// 128×128 cells of equal size over a view's pinhole image; what is beyond is in the outer ones.

@@ -2,8 +2,8 @@
 // A counting sort of one view's detections by their epipolar line, and a thread a ray of the other view.
 #include "reconstruct/multi_view/view_pairs_cuda.hpp"
 
+#include "reconstruct/cuda_bin_sort.hpp"
 #include "reconstruct/multi_view/asked_place_kernel.hpp"
-#include "reconstruct/multi_view/cuda_bin_sort.hpp"
 
 namespace rptv {
 
@@ -11,9 +11,12 @@ namespace {
 
 // A detection's bin in the pencil.
 struct LineBinOf {
+  CudaSeen seen;
   PencilOfLines lines;
   PencilBins bins;
-  __device__ std::uint32_t operator()(double u, double v) const { return bins.of(lines.of({u, v, 1})); }
+  __device__ std::uint32_t operator()(std::uint32_t i) const {
+    return seen.u[i] == seen.u[i] ? bins.of(lines.of({seen.u[i], seen.v[i], 1})) : kNoBin;
+  }
 };
 
 // Where refraction makes rays wander in the pinhole image, they are asked themselves.
@@ -60,7 +63,8 @@ bool find_pairs_cuda(const CudaPairSearch& search, const CudaBins& scratch, cons
                      unsigned threads_per_block) noexcept {
   const PencilBins bins(search.lines, search.second.count);
   return cudaMemsetAsync(out.count, 0, sizeof(std::uint32_t), static_cast<cudaStream_t>(stream)) == cudaSuccess &&
-         sort_into_bins(search.second, LineBinOf{search.lines, bins}, bins.bins, scratch, stream, threads_per_block) &&
+         sort_into_bins(LineBinOf{search.second, search.lines, bins}, search.second.count, bins.bins, scratch, stream,
+                        threads_per_block) &&
          launch(follow_rays, search.first.count, threads_per_block, stream, search, scratch, out);
 }
 
