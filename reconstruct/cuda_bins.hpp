@@ -8,7 +8,7 @@ namespace rptv {
 
 /// Bin b's items are entry[start[b]] to entry[start[b + 1]]; device memory.
 struct CudaBins {
-  std::uint32_t* start;        ///< one more than bins
+  std::uint32_t* start;        ///< two more than bins
   std::uint32_t *bin, *entry;  ///< as many as items
 };
 

@@ -40,7 +40,7 @@ struct MatchMemory {
         settled(ray.size()),
         used(ray.size()),
         owner(ray.size()),
-        cell_start(views * (CellOf::kCells + 1)),
+        cell_start(views * (CellOf::kCells + 2)),
         cell(ray.size()),
         cell_entry(ray.size()),
         bin_start(max_detections + 2),

@@ -41,7 +41,7 @@ struct CudaViewGeometry {
 };
 
 /// All views; device memory. Of view v's detection d: [v·max_detections + d]; of view v's cells: those from
-/// cell_start[v·(CellOf::kCells + 1)] on.
+/// cell_start[v·(CellOf::kCells + 2)] on.
 struct CudaViews {
   const CudaViewGeometry* geometry;
   SeenRay* ray;
@@ -57,7 +57,7 @@ struct CudaViews {
   }
   RPTV_HOST_DEVICE CudaBins cells(std::uint32_t view) const noexcept {
     const std::size_t first = std::size_t{view} * max_detections;
-    return {cell_start + std::size_t{view} * (CellOf::kCells + 1), cell + first, cell_entry + first};
+    return {cell_start + std::size_t{view} * (CellOf::kCells + 2), cell + first, cell_entry + first};
   }
 };
 
