@@ -3,7 +3,7 @@
 // high half of the third.
 #include <algorithm>
 
-#include "tests/cuda_host/ptx_program.hpp"
+#include "tests/cuda_host/ptx_functions.hpp"
 
 namespace rptv::cuda_host {
 namespace {

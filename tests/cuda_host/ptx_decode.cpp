@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "tests/cuda_host/ptx_program.hpp"
+#include "tests/cuda_host/ptx_functions.hpp"
 
 namespace rptv::cuda_host {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "tests/cuda_host/ptx_program.hpp"
+#include "tests/cuda_host/ptx_functions.hpp"
 
 namespace rptv::cuda_host {
 namespace {

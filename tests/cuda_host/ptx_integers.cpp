@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "tests/cuda_host/ptx_program.hpp"
+#include "tests/cuda_host/ptx_functions.hpp"
 
 namespace rptv::cuda_host {
 namespace {

@@ -6,6 +6,7 @@
 #include <regex>
 #include <sstream>
 
+#include "tests/cuda_host/ptx_functions.hpp"
 #include "tests/cuda_host/ptx_operands.hpp"
 #include "tests/cuda_host/ptx_program.hpp"
 

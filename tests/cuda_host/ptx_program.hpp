@@ -96,16 +96,4 @@ struct PtxError : std::runtime_error {
 /// All kernels of a file's text.
 std::vector<PtxKernel> parse_ptx(const std::string& text, const std::string& file);
 
-/// Decodes one instruction, `parts` of its opcode at the dots; throws PtxError without a place.
-void decode_ptx(const std::vector<std::string>& parts, PtxInstruction& instruction);
-
-/// The function of an opcode that computes one value, or null.
-PtxCompute ptx_integer_function(const std::string& operation, PtxType type);
-PtxCompute ptx_bit_field_function(const std::string& operation, PtxType type);
-PtxCompute ptx_float_function(const std::string& operation, PtxType type);
-PtxCompute ptx_comparison(const std::string& relation, PtxType type);
-
-/// cvt: `rounding` is rn, rni, rzi, rmi, rpi or empty.
-std::uint64_t ptx_convert(std::uint64_t value, PtxType from, PtxType to, const std::string& rounding);
-
 }  // namespace rptv::cuda_host

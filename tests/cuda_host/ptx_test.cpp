@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/cuda_host/ptx_functions.hpp"
 #include "tests/cuda_host/ptx_kernels.hpp"
 #include "tests/cuda_host/ptx_program.hpp"
 

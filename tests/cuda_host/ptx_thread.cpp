@@ -6,6 +6,7 @@
 
 #include "tests/cuda_host/collective.hpp"
 #include "tests/cuda_host/kernel_language.hpp"
+#include "tests/cuda_host/ptx_functions.hpp"
 #include "tests/cuda_host/ptx_operands.hpp"
 
 namespace rptv::cuda_host {
