@@ -7,10 +7,8 @@
 #include <iostream>
 
 #include "core/error.hpp"
-#include "reconstruct/light_field/light_field_device_check.hpp"
-#ifdef RPTV_HAVE_CUDA
 #include "reconstruct/light_field/light_field_cuda.hpp"
-#endif
+#include "reconstruct/light_field/light_field_device_check.hpp"
 
 namespace rptv {
 
@@ -28,17 +26,12 @@ std::string obstacle(const Config& config, const CudaProbe& probe) {
 }
 
 std::unique_ptr<LightFieldDevice> make_checked_device(const LightFieldDevicePlan& plan) {
-#ifdef RPTV_HAVE_CUDA
-  auto device = std::make_unique<LightFieldCuda>(plan);
+  auto device = make_light_field_cuda(plan);
   const std::string differs = disagreement(*device, plan);
   if (differs.empty()) return device;
   throw Error(ExitCode::unavailable,
               "CUDA: the device does not repeat what the CPU makes of a test image (" + differs +
                   "); take reconstruction.backend = \"cpu\" and report this with the output of nvidia-smi");
-#else
-  static_cast<void>(plan);
-  return nullptr;
-#endif
 }
 
 std::unique_ptr<LightFieldDevice> make_device_or_none(const LightFieldDevicePlan& plan) {

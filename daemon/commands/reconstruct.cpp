@@ -86,7 +86,6 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
 
 ExitCode reconstruct(const ReconstructOptions& options) {
   const Config config = resolve(options);
-  std::cerr << choose_backend(config).text << '\n';
   if (config.reconstruction.is_multi_view()) {
     if (options.images.size() > 1)
       throw Error(ExitCode::usage, "multi-view needs one folder that holds the images of all cameras; name that");
@@ -96,6 +95,7 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   const std::vector<double> times = times_of(options, config, images);
   const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}});
   auto& light_field = dynamic_cast<LightField&>(*stage);
+  std::cerr << choose_backend(config).text << '\n';
   for (const auto& warning : read_light_field_calibration(config.light_field.calibration).warnings())
     std::cerr << "warning: " << config.light_field.calibration << ": " << warning << '\n';
   PointsWriter points(options.output, {.covariance = true, .ghost = true, .time = !times.empty()});

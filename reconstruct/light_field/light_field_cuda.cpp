@@ -124,4 +124,8 @@ bool LightFieldCuda::find_candidates(std::span<const std::uint8_t> taken, std::u
   return stream_.download(candidates.data(), candidate_.data(), kept * sizeof(Candidate)) && stream_.synchronize();
 }
 
+std::unique_ptr<LightFieldDevice> make_light_field_cuda(const LightFieldDevicePlan& plan) {
+  return std::make_unique<LightFieldCuda>(plan);
+}
+
 }  // namespace rptv

@@ -56,4 +56,7 @@ class LightFieldCuda final : public LightFieldDevice {
   bool uniform_limit_ = true;
 };
 
+/// The same as a MakeLightFieldDevice; in a build without CUDA it throws Error(unavailable).
+std::unique_ptr<LightFieldDevice> make_light_field_cuda(const LightFieldDevicePlan& plan);
+
 }  // namespace rptv

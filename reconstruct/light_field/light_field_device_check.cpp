@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 #include <random>
 
 #include "reconstruct/light_field/coarse_maxima.hpp"
