@@ -125,7 +125,9 @@ bool Block::blame(const CudaThread& thread, const std::string& what) {
 
 void Block::abandon() {
   for (std::size_t i = 0; i < threads_.size(); ++i) {
-    if (threads_[i].state != ThreadState::kExited) fibers_.abandon(number_, i);
+    if (threads_[i].state == ThreadState::kExited) continue;
+    threads_[i].fiber->release_order(&end_token);
+    fibers_.abandon(number_, i);
   }
 }
 

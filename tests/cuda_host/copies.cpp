@@ -34,10 +34,10 @@ std::string wrong_with(const Runtime& device, const Rectangle& copy, cudaMemcpyK
     return "a row is longer than the distance of rows";
   }
   if (to_device && !device.memory.holds(copy.to, copy.to_bytes())) {
-    return "it writes " + std::to_string(copy.to_bytes()) + " bytes past the end of the device memory block";
+    return "it writes " + std::to_string(copy.to_bytes()) + " bytes, past the end of the device memory block";
   }
   if (from_device && !device.memory.holds(copy.from, copy.from_bytes())) {
-    return "it reads " + std::to_string(copy.from_bytes()) + " bytes past the end of the device memory block";
+    return "it reads " + std::to_string(copy.from_bytes()) + " bytes, past the end of the device memory block";
   }
   return {};
 }

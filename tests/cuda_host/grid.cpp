@@ -43,7 +43,9 @@ std::string Grid::run(dim3 blocks, const Block::Shape& shape, std::uint64_t seed
     const uint3 index{b % blocks.x, b / blocks.x % blocks.y, b / blocks.x / blocks.y};
     const std::vector<std::uint32_t> thread_order = order(threads, state);
     Block block(index, turn++, shape, thread_order, fibers_);
-    if (!block.run()) return block.fault();
+    if (block.run()) continue;
+    acquire(&end_token);
+    return block.fault();
   }
   acquire(&end_token);
   return {};

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "reconstruct/cuda_device.hpp"
-#include "tests/cuda_host/device_array.hpp"
+#include "tests/cuda_host/device_values.hpp"
 
 namespace {
+
+using rptv::cuda_host::DeviceValues;
 
 __global__ void block_sums(const int* values, int count, long long* sums) {
   RPTV_SHARED(int, of_warp, [32]);
@@ -68,9 +70,9 @@ class Kernels : public testing::TestWithParam<Schedule> {
 TEST_P(Kernels, sum_by_shuffles_and_a_barrier) {
   std::vector<int> values(1000);
   std::iota(values.begin(), values.end(), -300);
-  const rptv::DeviceArray<int> device_values(values);
+  const DeviceValues<int> device_values(values);
   const cudaLaunchConfig_t launch = config(values.size());
-  const rptv::DeviceArray<long long> sums(std::vector<long long>(launch.gridDim.x, 0));
+  const DeviceValues<long long> sums(std::vector<long long>(launch.gridDim.x, 0));
   ASSERT_EQ(cudaLaunchKernelEx(&launch, block_sums, device_values.get(), 1000, sums.get()), cudaSuccess);
   const std::vector<long long> found = sums.read();
   EXPECT_EQ(std::accumulate(found.begin(), found.end(), 0LL), 1000LL * 999 / 2 - 300 * 1000)
@@ -82,8 +84,8 @@ TEST_P(Kernels, count_into_shared_memory) {
   for (unsigned i = 0; i < values.size(); ++i) values[i] = i * i;
   std::vector<unsigned> expected(64, 0);
   for (const unsigned value : values) ++expected[value % 64];
-  const rptv::DeviceArray<unsigned> device_values(values);
-  const rptv::DeviceArray<unsigned> bins(std::vector<unsigned>(64, 0));
+  const DeviceValues<unsigned> device_values(values);
+  const DeviceValues<unsigned> bins(std::vector<unsigned>(64, 0));
   const cudaLaunchConfig_t launch = config(values.size(), 64 * sizeof(unsigned));
   ASSERT_EQ(cudaLaunchKernelEx(&launch, histogram, device_values.get(), 777, bins.get()), cudaSuccess);
   EXPECT_EQ(bins.read(), expected) << rptv::cuda_host::last_fault();
@@ -92,9 +94,9 @@ TEST_P(Kernels, count_into_shared_memory) {
 TEST_P(Kernels, append_by_ballot) {
   std::vector<int> values(500);
   std::iota(values.begin(), values.end(), 0);
-  const rptv::DeviceArray<int> device_values(values);
-  const rptv::DeviceArray<int> kept(std::vector<int>(250, -1));
-  const rptv::DeviceArray<int> count(std::vector<int>(1, 0));
+  const DeviceValues<int> device_values(values);
+  const DeviceValues<int> kept(std::vector<int>(250, -1));
+  const DeviceValues<int> count(std::vector<int>(1, 0));
   const cudaLaunchConfig_t launch = config(values.size());
   ASSERT_EQ(cudaLaunchKernelEx(&launch, keep_odd, device_values.get(), 500, kept.get(), count.get()), cudaSuccess);
   EXPECT_EQ(count.read()[0], 250) << rptv::cuda_host::last_fault();

@@ -6,18 +6,18 @@
 
 #include <vector>
 
-namespace rptv {
+namespace rptv::cuda_host {
 
 template <class T>
-class DeviceArray {
+class DeviceValues {
  public:
-  explicit DeviceArray(const std::vector<T>& values) : count_(values.size()) {
+  explicit DeviceValues(const std::vector<T>& values) : count_(values.size()) {
     cudaMalloc(&memory_, count_ * sizeof(T));
     cudaMemcpy(memory_, values.data(), count_ * sizeof(T), cudaMemcpyHostToDevice);
   }
-  ~DeviceArray() { cudaFree(memory_); }
-  DeviceArray(const DeviceArray&) = delete;
-  DeviceArray& operator=(const DeviceArray&) = delete;
+  ~DeviceValues() { cudaFree(memory_); }
+  DeviceValues(const DeviceValues&) = delete;
+  DeviceValues& operator=(const DeviceValues&) = delete;
 
   T* get() const { return memory_; }
   std::size_t size() const { return count_; }
@@ -33,4 +33,4 @@ class DeviceArray {
   std::size_t count_;
 };
 
-}  // namespace rptv
+}  // namespace rptv::cuda_host
