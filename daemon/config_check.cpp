@@ -16,7 +16,6 @@
 #include "calibration/light_field/light_field_calibration.hpp"
 #include "core/json.hpp"
 #include "core/losses.hpp"
-#include "daemon/backend.hpp"
 #include "daemon/config.hpp"
 #include "daemon/publisher.hpp"
 #include "daemon/session.hpp"
@@ -37,8 +36,9 @@ class Checks {
     check("calibration", config_.has_value(), [&] { return calibration(); });
     check("source", config_.has_value(), [&] { return source(); });
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
-      make_reconstructor(*config_, source_->cameras());
-      return fmt::format("room for {} particles a frame; {}", config_->max_particles(), choose_backend(*config_).text);
+      std::string where;
+      make_reconstructor(*config_, source_->cameras(), &where);
+      return fmt::format("room for {} particles a frame; {}", config_->max_particles(), where);
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });
     check("output", config_.has_value(), [&] { return output(); });

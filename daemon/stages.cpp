@@ -77,7 +77,8 @@ class BackgroundImage {
   ImageView view_;
 };
 
-std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std::vector<CameraInfo>& cameras) {
+std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std::vector<CameraInfo>& cameras,
+                                                Backend& backend) {
   if (cameras.size() != 1)
     throw Error(ExitCode::configuration,
                 "a light field has one camera and the source has " + std::to_string(cameras.size()) +
@@ -95,11 +96,12 @@ std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std:
                                              std::to_string(shape.width_px) + " x " + std::to_string(shape.height_px) +
                                              "; use the calibration of this camera and region of interest");
   const BackgroundImage background(settings.background_image, shape);
-  return std::make_unique<LightField>(settings, calibration, background.view(), choose_backend(config).make_device);
+  return std::make_unique<LightField>(settings, calibration, background.view(), [&](const LightFieldDevicePlan& plan) {
+    return make_tried_device(config, plan, backend);
+  });
 }
 
 std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::vector<CameraInfo>& cameras) {
-  choose_backend(config);
   const MultiViewSettings& settings = config.multi_view;
   if (settings.rig.empty())
     throw Error(ExitCode::configuration,
@@ -120,8 +122,13 @@ std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::
 
 }  // namespace
 
-std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {
-  return config.reconstruction.is_multi_view() ? make_multi_view(config, cameras) : make_light_field(config, cameras);
+std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras,
+                                                  std::string* where) {
+  Backend backend = choose_backend(config);
+  auto reconstructor = config.reconstruction.is_multi_view() ? make_multi_view(config, cameras)
+                                                             : make_light_field(config, cameras, backend);
+  if (where != nullptr) *where = backend.text;
+  return reconstructor;
 }
 
 }  // namespace rptv

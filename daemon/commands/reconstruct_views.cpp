@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Images of several cameras, instant by instant, through the multi-view stage.
 #include "daemon/commands/reconstruct_views.hpp"
-#include "daemon/backend.hpp"
 
 #include <fmt/format.h>
 
@@ -85,8 +84,9 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   std::vector<CameraInfo> infos;
   for (const ImageSequence& camera : cameras)
     infos.push_back({camera.camera(), camera.shape(), camera.significant_bits()});
-  const auto stage = make_reconstructor(config, infos);
-  std::cerr << choose_backend(config).text << '\n';
+  std::string where;
+  const auto stage = make_reconstructor(config, infos, &where);
+  std::cerr << where << '\n';
   PointsWriter points(output, {.covariance = true, .ghost = true, .time = timed});
   Particles particles(config.max_particles());
   Instants instants(cameras);

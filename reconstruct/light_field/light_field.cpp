@@ -10,6 +10,7 @@
 #include "reconstruct/light_field/dense_search.hpp"
 #include "reconstruct/light_field/ghost_probability.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
+#include "reconstruct/parallel.hpp"
 #include "reconstruct/running_background.hpp"
 
 namespace rptv {
@@ -74,7 +75,9 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       in_object_space(s.space == "object"),
       lit(static_cast<std::size_t>(s.max_rays)),
       rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
-      search(s, {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles)},
+      search(s,
+             {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles),
+              thread_count(s.threads)},
              min_count, make_device),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
   particles.reserve(static_cast<std::size_t>(s.max_particles));

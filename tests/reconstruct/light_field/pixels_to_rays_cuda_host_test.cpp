@@ -109,7 +109,7 @@ class BothSides {
     ASSERT_EQ(from_device(stream_, pixels)[0], expected.pixels);
     EXPECT_EQ(lit.size() - expected.pixels, refused);
     const auto rays = from_device(stream_, ray, expected.size);
-    EXPECT_EQ(std::memcmp(rays.data(), expected.ray.data(), expected.size * sizeof(Ray)), 0);
+    EXPECT_TRUE(rays.empty() || std::memcmp(rays.data(), expected.ray.data(), expected.size * sizeof(Ray)) == 0);
     EXPECT_EQ(from_device(stream_, first), expected.first_of_lenslet);
     expected.pixel.resize(expected.size), expected.same_pixel.resize(expected.size);
     EXPECT_EQ(from_device(stream_, pixel, expected.size), expected.pixel);
