@@ -5,24 +5,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
-#include "calibration/cameras/rig.hpp"
-#include "core/image.hpp"
 #include "reconstruct/detection/detections.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
-#include "reconstruct/multi_view/multi_view_settings.hpp"
+#include "reconstruct/multi_view/view_setup.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
-
-/// A camera of the source: what frames call it, and their shape. `background`: an image without particles, or no data.
-struct MultiViewCamera {
-  std::string name;
-  ImageShape shape;
-  ImageView background;
-};
 
 /// Since construction, except where stated. Read on the reconstructing thread, or after it.
 struct MultiViewCounts {
