@@ -29,8 +29,8 @@ struct LightFieldCounts {
 class LightField final : public Reconstructor {
  public:
   /// Throws Error(configuration) when settings and calibration do not fit together. `background`: an image without
-  /// particles, copied; without data, the constant settings.background is used. `settings.calibration` and
-  /// `settings.background_image` are not read here.
+  /// particles, copied; without data, the constant settings.background is used, or the calibration's dark level where
+  /// that is 0. `settings.calibration` and `settings.background_image` are not read here.
   LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration, const ImageView& background);
   ~LightField() override;
 
