@@ -31,9 +31,9 @@ struct LightFieldCounts {
 class LightField final : public Reconstructor {
  public:
   /// Throws Error(configuration) when settings and calibration do not fit together. `background`: an image without
-  /// particles, copied; without data, the constant settings.background is used. `settings.calibration` and
-  /// `settings.background_image` are not read here. `make_device`: another processor for the first steps, which needs
-  /// settings.counting "coarse_to_fine"; the particles are the same.
+  /// particles, copied; without data, the constant settings.background is used, or the calibration's dark level where
+  /// that is 0. `settings.calibration` and `settings.background_image` are not read here. `make_device`: another
+  /// processor for the first steps, which needs settings.counting "coarse_to_fine"; the particles are the same.
   LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration, const ImageView& background,
              const MakeLightFieldDevice& make_device = nullptr);
   ~LightField() override;
