@@ -70,8 +70,7 @@ class Thread {
     const std::uint64_t b = operands.size() > 2 ? value(operands[2]) : 0;
     std::uint64_t c = operands.size() > 3 ? value(operands[3]) : 0;
     if (operands.size() > 4) c = (c & 0xffffffffu) | value(operands[4]) << 32;
-    const bool divides = now.type.kind != 'f' && (now.mode == "div" || now.mode == "rem");
-    if (divides && kept(b, now.type) == 0) kernel_fault("division by zero", site(now));
+    if (now.divides && kept(b, now.type) == 0) kernel_fault("division by zero", site(now));
     std::uint64_t result = now.compute(a, b, c);
     std::uint64_t other = result ^ 1u;  // of a comparison with two results
     if (now.combine == '&') result &= c, other &= c;
