@@ -93,6 +93,8 @@ class Body {
       kernel_.instructions[at].target = found->second;
     }
     kernel_.registers = names_.registers.size();
+    if (kernel_.registers > kPtxMaxRegisters)
+      throw PtxError("more than " + std::to_string(kPtxMaxRegisters) + " registers");
   }
 
  private:
