@@ -13,6 +13,8 @@
 namespace rptv::cuda_host {
 namespace {
 
+constexpr std::size_t kPtxMaxRegisters = 16384;  // they lie on a fiber's stack
+
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n\r");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n\r") - first + 1);

@@ -85,7 +85,6 @@ struct PtxKernel {
   std::size_t registers = 0;
 };
 
-inline constexpr std::size_t kPtxMaxRegisters = 16384;       // they lie on a fiber's stack
 inline constexpr int kPtxWindowBits = 20;                    // of one shared array's addresses
 inline constexpr std::uint64_t kPtxParameters = 1ull << 31;  // where addresses of parameters begin
 inline constexpr std::uint64_t kPtxGlobal = 1ull << 32;      // below: not global memory
