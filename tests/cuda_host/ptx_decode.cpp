@@ -80,7 +80,7 @@ void decode_arithmetic(const Parts& modifiers, PtxInstruction& instruction) {
       is_float ? ptx_float_function(operation, instruction.type) : ptx_integer_function(operation, instruction.type);
   if (instruction.compute == nullptr && !is_float)
     instruction.compute = ptx_bit_field_function(operation, instruction.type);
-  instruction.mode = operation;
+  instruction.divides = !is_float && (operation == "div" || operation == "rem");
 }
 
 bool decode_control(const Parts& parts, PtxInstruction& instruction) {

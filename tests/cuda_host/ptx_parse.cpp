@@ -13,6 +13,8 @@
 namespace rptv::cuda_host {
 namespace {
 
+constexpr std::size_t kPtxMaxRegisters = 16384;  // they lie on a fiber's stack
+
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n\r");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n\r") - first + 1);
@@ -93,6 +95,8 @@ class Body {
       kernel_.instructions[at].target = found->second;
     }
     kernel_.registers = names_.registers.size();
+    if (kernel_.registers > kPtxMaxRegisters)
+      throw PtxError("more than " + std::to_string(kPtxMaxRegisters) + " registers");
   }
 
  private:

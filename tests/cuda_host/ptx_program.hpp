@@ -56,6 +56,7 @@ struct PtxInstruction {
   PtxType type, from_type;
   PtxSpace space{};
   std::string mode;        // what decides within an action: cas, exch, up, ballot, or, rzi, …
+  bool divides = false;    // integers: the divisor is looked at first
   char combine = 0;        // setp with a third operand: & or |
   std::size_t target = 0;  // of a branch
   std::vector<PtxOperand> operands;

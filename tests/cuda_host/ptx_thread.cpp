@@ -2,6 +2,7 @@
 // The interpreter's loop, one instruction after the other.
 #include "tests/cuda_host/ptx_thread.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "tests/cuda_host/collective.hpp"
@@ -14,8 +15,8 @@ namespace {
 
 class Thread {
  public:
-  Thread(const PtxKernel& kernel, const unsigned char* parameters)
-      : kernel_(kernel), parameters_(parameters), registers_(kernel.registers, 0xA5A5A5A5A5A5A5A5u) {}
+  Thread(const PtxKernel& kernel, const unsigned char* parameters, std::uint64_t* registers)
+      : kernel_(kernel), parameters_(parameters), registers_(registers) {}
 
   void run() {
     std::size_t at = 0;
@@ -70,8 +71,7 @@ class Thread {
     const std::uint64_t b = operands.size() > 2 ? value(operands[2]) : 0;
     std::uint64_t c = operands.size() > 3 ? value(operands[3]) : 0;
     if (operands.size() > 4) c = (c & 0xffffffffu) | value(operands[4]) << 32;
-    const bool divides = now.type.kind != 'f' && (now.mode == "div" || now.mode == "rem");
-    if (divides && kept(b, now.type) == 0) kernel_fault("division by zero", site(now));
+    if (now.divides && kept(b, now.type) == 0) kernel_fault("division by zero", site(now));
     std::uint64_t result = now.compute(a, b, c);
     std::uint64_t other = result ^ 1u;  // of a comparison with two results
     if (now.combine == '&') result &= c, other &= c;
@@ -217,11 +217,16 @@ class Thread {
 
   const PtxKernel& kernel_;
   const unsigned char* parameters_;
-  std::vector<std::uint64_t> registers_;
+  std::uint64_t* registers_;
 };
 
 }  // namespace
 
-void run_ptx_thread(const PtxKernel& kernel, const unsigned char* parameters) { Thread(kernel, parameters).run(); }
+void run_ptx_thread(const PtxKernel& kernel, const unsigned char* parameters) {
+  // On the stack: nobody would free them where a fault leaves the fiber for good.
+  auto* registers = static_cast<std::uint64_t*>(__builtin_alloca(kernel.registers * sizeof(std::uint64_t)));
+  std::fill_n(registers, kernel.registers, 0xA5A5A5A5A5A5A5A5u);
+  Thread(kernel, parameters, registers).run();
+}
 
 }  // namespace rptv::cuda_host
