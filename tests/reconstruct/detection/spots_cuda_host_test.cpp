@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "reconstruct/detection/detect_stream_cuda.hpp"
 #include "reconstruct/detection/lit_maxima_cuda.hpp"
-#include "reconstruct/detection/separate_spots.hpp"
 #include "reconstruct/detection/spot_finder.hpp"
 #include "tests/reconstruct/detection/painted_spots.hpp"
 #include "tests/reconstruct/on_device.hpp"
@@ -45,21 +45,6 @@ Found by_cpu(const RandomImage& image, const DarkPixels& dark, const DetectorSet
           counts.merged, counts.too_small};
 }
 
-CudaSpotSettings settings_of(const DetectorSettings& settings, const ImageShape& shape) {
-  const auto noise = GreyNoise::of(settings.noise_grey, settings.electrons_per_grey);
-  const auto radius = static_cast<std::int32_t>(settings.radius_px);
-  const SpotMethod method = settings.method == "three_point" ? SpotMethod::three_point
-                            : settings.method == "centroid"  ? SpotMethod::centroid
-                                                             : SpotMethod::gaussian;
-  const double highest = shape.bytes_per_pixel == 1 ? 255 : 65535;
-  return {{method, static_cast<std::size_t>(radius), noise.dark_variance, noise.grey_per_electron},
-          static_cast<float>(settings.saturation_grey > 0 ? settings.saturation_grey : highest),
-          static_cast<float>(settings.split_sigmas),
-          merge_reach(radius),
-          settings.overlap_sweeps > 0 ? crowd_reach(radius) : merge_reach(radius),
-          static_cast<std::uint32_t>(settings.min_area_px)};
-}
-
 Found by_device(const RandomImage& image, const DarkPixels& dark, const DetectorSettings& settings, unsigned threads) {
   const auto capacity = static_cast<std::uint32_t>(settings.max_detections), most = 4 * capacity;
   const std::size_t known = dark.limit.uniform() ? 1 : image.shape.pixels();
@@ -87,7 +72,7 @@ Found by_device(const RandomImage& image, const DarkPixels& dark, const Detector
       count.data(), capacity};
   CudaStream stream;
   EXPECT_TRUE(find_lit_maxima_cuda(view, known_dark, maxima, stream.handle(), threads) &&
-              find_spots_cuda(view, known_dark, maxima, settings_of(settings, image.shape), spots, detections,
+              find_spots_cuda(view, known_dark, maxima, cuda_spot_settings(settings, image.shape), spots, detections,
                               counts.data(), stream.handle(), threads));
   const auto columns = out.read(stream);
   const CudaSpotCounts counted = counts.read(stream)[0];

@@ -75,6 +75,19 @@ TEST(CudaRayCount, counts_planes_wider_and_longer_than_a_tile) {
   }
 }
 
+// Bounds of a chunk must not lose the ray that is nowhere, which the plain loops count in the first row.
+TEST(CudaRayCount, counts_a_ray_that_is_no_number_among_far_neighbours) {
+  VoxelGrid grid;
+  grid.size_x = 50, grid.size_y = 120, grid.planes = 5, grid.first_z_mm = -2;
+  Rays rays(300, 1);
+  rays.size = rays.capacity();
+  for (auto& ray : rays.ray) ray = {20, 110, 0.1F, 0.1F};
+  rays.ray[40].slope_y = rays.ray[290].centre_y = std::numeric_limits<float>::quiet_NaN();
+  Counts expected;
+  testing::count_ray_major(grid, rays, expected);
+  EXPECT_EQ(count_on_device(grid, rays, {}, 96), expected);
+}
+
 TEST(CudaRayCount, counts_more_rays_than_threads_and_stops_at_65535) {
   if (testing::kWatchesRaces) GTEST_SKIP() << "takes minutes; the other tests show races as well";
   VoxelGrid grid;

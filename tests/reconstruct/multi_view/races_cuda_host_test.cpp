@@ -5,16 +5,14 @@
 
 #include <random>
 
-#include "reconstruct/detection/lit_maxima.hpp"
-#include "reconstruct/detection/lit_maxima_cuda.hpp"
+#include "reconstruct/detection/detect_stream_cuda.hpp"
+#include "reconstruct/detection/detector.hpp"
 #include "reconstruct/multi_view/match_stream_cuda.hpp"
+#include "tests/cuda_host/control.hpp"
 #include "tests/reconstruct/multi_view/made_views.hpp"
-#include "tests/reconstruct/on_device.hpp"
 
 namespace rptv {
 namespace {
-
-using testing::OnDevice;
 
 TEST(MultiViewKernels, have_no_races_when_they_match) {
   const testing::ViewScene scene = testing::make_scene(4, 40, 0.3, 0.15);
@@ -33,25 +31,23 @@ TEST(MultiViewKernels, have_no_races_when_they_match) {
   }
 }
 
-TEST(MultiViewKernels, have_no_races_when_they_search_an_image) {
+TEST(MultiViewKernels, have_no_races_when_they_detect) {
   const ImageShape shape{71, 53, 1};
-  std::vector<std::uint8_t> grey(shape.pixels());
+  std::vector<std::byte> grey(shape.pixels());
   std::mt19937 random(1);
-  for (std::uint8_t& value : grey) value = static_cast<std::uint8_t>(random() % 256);
-  const DarkLimit limit(shape, 0, 60);
-  std::vector<PixelIndex> expected(shape.pixels());
-  const std::size_t all = find_lit_maxima({reinterpret_cast<const std::byte*>(grey.data()), shape}, limit, expected);
+  for (std::byte& value : grey) value = static_cast<std::byte>(random() % 256);
+  DetectorSettings settings;
+  settings.method = "three_point", settings.overlap_sweeps = 0, settings.max_detections = 200;
+  const DarkPixels dark = make_dark(dark_settings(settings, 0), shape, {});
+  Detections seen(200), expected(200);
+  Detector(settings, shape).detect({grey.data(), shape}, expected);
   for (const unsigned threads : {96U, 256U}) {
     cuda_host::set_schedule_seed(threads);
-    const OnDevice<std::uint8_t> pixels(grey);
-    const OnDevice<std::uint16_t> dark({60});
-    const std::vector<std::int32_t> room(1000);
-    const OnDevice<std::int32_t> x(room), y(room);
-    const OnDevice<std::uint32_t> row_start(std::vector<std::uint32_t>(shape.height_px + 1));
-    CudaStream stream;
-    EXPECT_TRUE(find_lit_maxima_cuda({pixels.data(), shape.width_px, shape.height_px, 1}, {nullptr, dark.data(), true},
-                                     {x.data(), y.data(), row_start.data(), 1000}, stream.handle(), threads));
-    EXPECT_EQ(row_start.read(stream).back(), all);
+    DetectStream detector(settings, shape, dark, threads);
+    detector.submit({grey.data(), shape});
+    detector.collect(seen);
+    EXPECT_EQ(seen.x_px, expected.x_px);
+    EXPECT_EQ(detector.failed(), 0U) << cuda_host::last_fault();
   }
 }
 
