@@ -14,6 +14,8 @@ void IterationSettings::fields(FieldList& list) {
   list.number("reduced_tolerance_px", reduced_tolerance_px, 0.01, 100, "the same for finds with one camera less");
   list.number("least_share", least_share, 0, 1, "light that a particle has in every view at least, of the median's");
   list.number("apart_px", apart_px, 0, 10, "of two particles that are nearer than that, the fainter goes");
+  list.flag("use_tracks", use_tracks,
+            "look for particles first where their tracks are expected; reconstruction and linking then take turns");
   list.number("sigma_px", sigma_px, 0, 3.4,
               "standard deviation of a particle image to start with; 0: what the first images show");
 }

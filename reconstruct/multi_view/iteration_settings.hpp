@@ -16,6 +16,7 @@ struct IterationSettings {
   double reduced_tolerance_px = 0.5;  ///< the same for finds with one camera less
   double least_share = 0.3;           ///< a particle has at least this share of the median light, in every view
   double apart_px = 0.7;              ///< of two particles that are nearer, the fainter goes
+  bool use_tracks = true;             ///< look first where tracks are expected (`rapidptv run`)
   double sigma_px = 0;                ///< of a particle image, to start with; 0: from the first images
 
   void fields(FieldList& list);

@@ -16,13 +16,15 @@ namespace rptv {
 
 namespace {
 
-constexpr std::size_t kFewPerThousand = 1;  // of all particles: fewer new ones are not worth another round
+constexpr std::uint32_t kTellingAge_frames = 1;  // with fewer frames before, a track has no velocity
+constexpr std::size_t kFewPerThousand = 1;       // of all particles: fewer new ones are not worth another round
 
 }  // namespace
 
 struct IterativeViews::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
       : settings(s),
+        gate(cameras, static_cast<std::size_t>(s.min_views)),
         threads(thread_count(s.threads)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
@@ -36,6 +38,7 @@ struct IterativeViews::Stages {
             models_of(rig), views_of(s, cameras), volume,
             {static_cast<std::size_t>(s.max_particles), threads, s.iterative.sigma_px > 0 ? s.iterative.sigma_px : 1}),
         sigma_known(s.iterative.sigma_px > 0) {
+    expected.reserve(static_cast<std::size_t>(s.max_particles));
     if (s.detector.running_background)
       throw Error(ExitCode::configuration,
                   "multi_view.detector.running_background = true, but multi_view.method = 'iterative' has none; give "
@@ -45,7 +48,6 @@ struct IterativeViews::Stages {
       dark.push_back(make_dark({s.detector.background, s.detector.threshold,
                                 c < names.size() ? names[c] : std::string("the background image")},
                                cameras[c].shape, cameras[c].background));
-      shapes.push_back(cameras[c].shape);
       peaks.emplace_back(static_cast<std::size_t>(s.detector.max_detections));
       scratch.emplace_back(static_cast<std::size_t>(s.detector.max_detections));
     }
@@ -63,17 +65,16 @@ struct IterativeViews::Stages {
     return views;
   }
 
-  bool usable(const Frame& frame, std::size_t camera) const noexcept {
-    return frame.view().data != nullptr && !frame.info.torn && frame.shape.has_size_of(shapes[camera]);
-  }
-  std::size_t load(const FrameSet& frames) noexcept;
+  void load(const FrameSet& frames) noexcept;
   std::size_t search(std::size_t min_views, double tolerance_px) noexcept;
   void rounds(std::int64_t most, std::size_t min_views, double tolerance_px) noexcept;
+  void start() noexcept;
   void take(const ViewMatch& match) noexcept;
   void shake(std::int64_t sweeps) noexcept;
   void write(Particles& out) noexcept;
 
   const MultiViewSettings settings;
+  const FrameGate gate;
   const std::size_t threads;
   const Volume volume;
   const std::vector<ViewRays> rays;
@@ -83,22 +84,32 @@ struct IterativeViews::Stages {
   ShakenParticles cloud;
   bool sigma_known;
   std::vector<DarkPixels> dark;
-  std::vector<ImageShape> shapes;
   std::vector<Detections> peaks;
   std::vector<std::vector<float>> scratch;
+  std::vector<Point3> expected;
   IterativeCounts counts;
 };
 
-std::size_t IterativeViews::Stages::load(const FrameSet& frames) noexcept {
-  std::size_t usable_views = 0;
-  for (std::size_t c = 0; c < shapes.size(); ++c) usable_views += usable(frames.frames[c], c) ? 1 : 0;
-  parallel_for(shapes.size(), threads, [&](std::size_t c, std::size_t) {
+void IterativeViews::Stages::load(const FrameSet& frames) noexcept {
+  parallel_for(gate.cameras(), threads, [&](std::size_t c, std::size_t) {
     ResidualView& view = cloud.views()[c];
-    if (!usable(frames.frames[c], c)) return view.load_nothing();
+    if (!gate.usable(frames.frames[c], c)) return view.load_nothing();
     view.load(frames.frames[c].view(), dark[c]);
     if (!sigma_known) cloud.set_sigma(c, typical_sigma_px(view, peak_options, scratch[c], 1));
   });
-  return usable_views;
+}
+
+// Of the tracks' particles one may be gone, and the light of its neighbours be taken for it: twice, so that those that
+// are let go do not disturb the others.
+void IterativeViews::Stages::start() noexcept {
+  const float grey = cloud.median_grey();
+  cloud.clear();
+  for (const Point3& at_mm : expected) counts.refused_particles += cloud.push(at_mm, grey) ? 0 : 1;
+  expected.clear();
+  if (cloud.all().empty()) return;
+  counts.expected += cloud.all().size();
+  shake(settings.iterative.sweeps);
+  shake(settings.iterative.sweeps);
 }
 
 void IterativeViews::Stages::take(const ViewMatch& match) noexcept {
@@ -166,23 +177,27 @@ const CorrespondenceCounts& IterativeViews::correspondence_counts() const noexce
   return stages_->correspondence.counts();
 }
 
+bool IterativeViews::uses_tracks() const noexcept { return stages_->settings.iterative.use_tracks; }
+
+void IterativeViews::expect(const Tracks& expected) noexcept {
+  auto& s = *stages_;
+  s.expected.clear();
+  for (std::size_t i = 0; i < expected.size() && s.expected.size() < s.expected.capacity(); ++i)
+    if (expected.age_frames[i] >= kTellingAge_frames)
+      s.expected.push_back({expected.x_mm[i], expected.y_mm[i], expected.z_mm[i]});
+}
+
 void IterativeViews::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   auto& s = *stages_;
   out.clear();
-  if (frames.cameras != s.shapes.size()) {
-    ++s.counts.refused_frames;
-    return;
-  }
-  const std::size_t views = s.load(frames), least = static_cast<std::size_t>(s.settings.min_views);
-  s.counts.refused_views += frames.cameras - views;
-  if (views < least) {
-    ++s.counts.too_few_views;
-    return;
-  }
-  s.cloud.clear();
+  const std::size_t views = s.gate.admit(frames, s.counts);
+  if (views == 0) return;
+  s.load(frames);
+  s.start();
   const IterationSettings& iterative = s.settings.iterative;
   s.rounds(iterative.rounds, views, iterative.tolerance_px);
-  s.rounds(iterative.reduced_rounds, std::max(least, views - 1), iterative.reduced_tolerance_px);
+  s.rounds(iterative.reduced_rounds, std::max(static_cast<std::size_t>(s.settings.min_views), views - 1),
+           iterative.reduced_tolerance_px);
   s.shake(iterative.final_sweeps);
   s.sigma_known = s.sigma_known || s.cloud.all().size() >= ShakenParticles::kTellingParticles;
   s.write(out);

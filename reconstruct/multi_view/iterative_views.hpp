@@ -7,19 +7,16 @@
 #include <span>
 
 #include "reconstruct/multi_view/correspondence.hpp"
-#include "reconstruct/multi_view/view_setup.hpp"
+#include "reconstruct/multi_view/frame_gate.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
 
 /// Since construction, except where stated. Read on the reconstructing thread, or after it.
-struct IterativeCounts {
-  std::uint64_t frames = 0;
-  std::uint64_t refused_frames = 0;  ///< sets of another number of cameras than the source has
-  std::uint64_t refused_views = 0;   ///< images that were missing, torn, or of another shape; the set goes on without
-  std::uint64_t too_few_views = 0;   ///< sets where fewer than min_views were left
-  std::uint64_t refused_peaks = 0;   ///< maxima of residual images beyond max_detections
+struct IterativeCounts : FrameSetCounts {
+  std::uint64_t refused_peaks = 0;       ///< maxima of residual images beyond max_detections
   std::uint64_t refused_particles = 0;   ///< beyond max_particles
+  std::uint64_t expected = 0;            ///< places of tracks that were looked at first
   std::uint64_t found = 0, dropped = 0;  ///< particles over all rounds: taken up, and let go again
 };
 
@@ -34,6 +31,9 @@ class IterativeViews final : public Reconstructor {
   ~IterativeViews() override;
 
   void reconstruct(const FrameSet& frames, Particles& out) noexcept override;
+  /// With settings.iterative.use_tracks. Those of one frame have no velocity yet, and are not looked for.
+  bool uses_tracks() const noexcept override;
+  void expect(const Tracks& expected) noexcept override;
 
   const IterativeCounts& counts() const noexcept;
   const CorrespondenceCounts& correspondence_counts() const noexcept;

@@ -15,6 +15,7 @@ namespace rptv {
 struct MultiView::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
       : settings(s),
+        gate(cameras, static_cast<std::size_t>(s.min_views)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
         correspondence(rays, volume,
@@ -25,23 +26,19 @@ struct MultiView::Stages {
     for (std::size_t c = 0; c < cameras.size(); ++c) {
       detectors.emplace_back(s.detector, cameras[c].shape, cameras[c].background, c);
       seen.emplace_back(static_cast<std::size_t>(s.detector.max_detections));
-      shapes.push_back(cameras[c].shape);
     }
     chosen.reserve(static_cast<std::size_t>(s.max_matches));
     partial.reserve(static_cast<std::size_t>(s.max_matches));
     particles.reserve(static_cast<std::size_t>(s.max_matches));
   }
 
-  bool usable(const Frame& frame, std::size_t camera) const noexcept {
-    return frame.view().data != nullptr && !frame.info.torn && frame.shape.has_size_of(shapes[camera]);
-  }
   void choose(std::span<const ViewMatch> matches) noexcept;
   void write(std::span<const ViewMatch> matches, std::span<const Detections> lists, Particles& out) noexcept;
 
   const MultiViewSettings settings;
+  const FrameGate gate;
   const Volume volume;
   const std::vector<ViewRays> rays;
-  std::vector<ImageShape> shapes;
   std::vector<Detector> detectors;
   std::vector<Detections> seen;
   Correspondence correspondence;
@@ -105,24 +102,14 @@ const CorrespondenceCounts& MultiView::correspondence_counts() const noexcept {
 void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   auto& s = *stages_;
   out.clear();
-  if (frames.cameras != s.detectors.size()) {
-    ++s.counts.refused_frames;
-    return;
-  }
-  std::size_t views = 0;
-  for (std::size_t c = 0; c < frames.cameras; ++c) views += s.usable(frames.frames[c], c) ? 1 : 0;
-  s.counts.refused_views += frames.cameras - views;
+  for (Detections& seen : s.seen) seen.clear();
+  if (s.gate.admit(frames, s.counts) == 0) return;
   const std::size_t threads = std::min(thread_count(s.settings.threads), s.detectors.size());
   parallel_for(s.detectors.size(), threads, [&](std::size_t camera, std::size_t) {
-    s.seen[camera].clear();
-    if (s.usable(frames.frames[camera], camera))
+    if (s.gate.usable(frames.frames[camera], camera))
       s.detectors[camera].detect(frames.frames[camera].view(), s.seen[camera]);
   });
   for (const Detections& seen : s.seen) s.counts.refused_detections += seen.overflow();
-  if (views < static_cast<std::size_t>(s.settings.min_views)) {
-    ++s.counts.too_few_views;
-    return;
-  }
   reconstruct(s.seen, out);
 }
 

@@ -8,7 +8,7 @@
 #include "calibration/cameras/camera_model.hpp"
 #include "calibration/space.hpp"
 #include "core/particles.hpp"
-#include "reconstruct/multi_view/spot.hpp"
+#include "reconstruct/multi_view/view_spot.hpp"
 
 namespace rptv {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "reconstruct/multi_view/spot_kernel.hpp"
+#include "reconstruct/multi_view/view_spot_kernel.hpp"
 
 namespace rptv {
 
@@ -15,7 +15,7 @@ namespace {
 #define RPTV_SPOT_AVX2 [[gnu::target("avx2")]]
 #endif
 
-RPTV_LANES void subtract_one(const Spot& spot, float* pixels, const PaddedRaster& raster) noexcept {
+RPTV_LANES void subtract_one(const ViewSpot& spot, float* pixels, const PaddedRaster& raster) noexcept {
   if (!raster.near(spot)) return;
   SpotPatch patch;
   fill_patch(patch, spot);
@@ -35,7 +35,7 @@ RPTV_LANES float total(SpotLanes lanes) noexcept {
   return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
-RPTV_LANES SpotSums sums_of(const Spot& spot, const float* residual, const float* weight,
+RPTV_LANES SpotSums sums_of(const ViewSpot& spot, const float* residual, const float* weight,
                             const PaddedRaster& raster) noexcept {
   SpotPatch patch;
   fill_patch(patch, spot);
@@ -57,13 +57,13 @@ RPTV_LANES SpotSums sums_of(const Spot& spot, const float* residual, const float
   return {total(mm), total(um), total(vm), total(uu), total(uv), total(vv), total(mr), total(ur), total(vr), total(rr)};
 }
 
-#define RPTV_SPOT_LOOPS(SET, TARGET)                                                                            \
-  TARGET void subtract_##SET(std::span<const Spot> spots, float* pixels, const PaddedRaster& raster) noexcept { \
-    for (const Spot& spot : spots) subtract_one(spot, pixels, raster);                                          \
-  }                                                                                                             \
-  TARGET SpotSums sums_##SET(const Spot& spot, const float* residual, const float* weight,                      \
-                             const PaddedRaster& raster) noexcept {                                             \
-    return sums_of(spot, residual, weight, raster);                                                             \
+#define RPTV_SPOT_LOOPS(SET, TARGET)                                                                                \
+  TARGET void subtract_##SET(std::span<const ViewSpot> spots, float* pixels, const PaddedRaster& raster) noexcept { \
+    for (const ViewSpot& spot : spots) subtract_one(spot, pixels, raster);                                          \
+  }                                                                                                                 \
+  TARGET SpotSums sums_##SET(const ViewSpot& spot, const float* residual, const float* weight,                      \
+                             const PaddedRaster& raster) noexcept {                                                 \
+    return sums_of(spot, residual, weight, raster);                                                                 \
   }
 
 RPTV_SPOT_LOOPS(portable, )
@@ -106,14 +106,14 @@ void ResidualView::load_nothing() noexcept {
 
 void ResidualView::restore() noexcept { std::copy(grey_.begin(), grey_.end(), residual_.begin()); }
 
-void ResidualView::subtract(std::span<const Spot> spots) noexcept {
+void ResidualView::subtract(std::span<const ViewSpot> spots) noexcept {
 #if defined(__x86_64__)
   if (set_ != InstructionSet::portable) return subtract_avx2(spots, residual_.data(), raster_);
 #endif
   subtract_portable(spots, residual_.data(), raster_);
 }
 
-SpotSums ResidualView::sums(const Spot& spot) const noexcept {
+SpotSums ResidualView::sums(const ViewSpot& spot) const noexcept {
 #if defined(__x86_64__)
   if (set_ != InstructionSet::portable) return sums_avx2(spot, residual_.data(), weight_.data(), raster_);
 #endif

@@ -10,7 +10,7 @@
 #include "core/instruction_set.hpp"
 #include "reconstruct/dark_pixels.hpp"
 #include "reconstruct/detection/grey_over_background.hpp"
-#include "reconstruct/multi_view/spot.hpp"
+#include "reconstruct/multi_view/view_spot.hpp"
 
 namespace rptv {
 
@@ -29,7 +29,7 @@ struct PaddedRaster {
     return static_cast<std::size_t>(row + kMargin_px) * stride + static_cast<std::size_t>(column + kMargin_px);
   }
   /// Some of the spot's light may be in the image, and all of it is in the raster. False for what is not a number.
-  bool near(const Spot& spot) const noexcept {
+  bool near(const ViewSpot& spot) const noexcept {
     constexpr float kFar_px = 12;
     return spot.u_px > -kFar_px && spot.v_px > -kFar_px && spot.u_px < static_cast<float>(width_px) + kFar_px &&
            spot.v_px < static_cast<float>(height_px) + kFar_px;
@@ -54,10 +54,10 @@ class ResidualView {
   /// The residual is all of the image again.
   void restore() noexcept;
   /// Takes spots away from the residual; those that are not near() are left out.
-  void subtract(std::span<const Spot> spots) noexcept;
-  bool near(const Spot& spot) const noexcept { return raster_.near(spot); }
+  void subtract(std::span<const ViewSpot> spots) noexcept;
+  bool near(const ViewSpot& spot) const noexcept { return raster_.near(spot); }
   /// Of a spot that near() allows.
-  SpotSums sums(const Spot& spot) const noexcept;
+  SpotSums sums(const ViewSpot& spot) const noexcept;
 
   int width_px() const noexcept { return raster_.width_px; }
   int height_px() const noexcept { return raster_.height_px; }

@@ -49,7 +49,7 @@ bool ShakenParticles::push(const Point3& at_mm, float grey) noexcept {
   return true;
 }
 
-Spot ShakenParticles::spot_of(const ShakenParticle& particle, std::size_t view, double sigma_px) const noexcept {
+ViewSpot ShakenParticles::spot_of(const ShakenParticle& particle, std::size_t view, double sigma_px) const noexcept {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const auto pixel = models_[view].project(particle.at_mm);
   if (!pixel) return {kNan, kNan, 1, 0};
@@ -76,8 +76,8 @@ void ShakenParticles::step(ShakenParticle& particle) const noexcept {
     PixelJacobian jacobian;
     const auto pixel = models_[v].project(particle.at_mm, jacobian);
     if (!pixel) continue;
-    const Spot spot{static_cast<float>((*pixel)[0]), static_cast<float>((*pixel)[1]), static_cast<float>(sigma_px_[v]),
-                    particle.grey};
+    const ViewSpot spot{static_cast<float>((*pixel)[0]), static_cast<float>((*pixel)[1]),
+                        static_cast<float>(sigma_px_[v]), particle.grey};
     if (!views_[v].near(spot)) continue;
     const SpotSums sums = views_[v].sums(spot);
     step.add(sums, jacobian, particle.grey, gain_[v]);
@@ -111,7 +111,7 @@ void ShakenParticles::sweep() noexcept {
     });
     parallel_for(views_.size(), threads_, [&](std::size_t view, std::size_t) {
       for (std::size_t i = part; i < particles_.size(); i += parts) {
-        std::array<Spot, 2> change{spots_[view][i], spot_of(particles_[i], view, sigma_px_[view])};
+        std::array<ViewSpot, 2> change{spots_[view][i], spot_of(particles_[i], view, sigma_px_[view])};
         spots_[view][i] = change[1];
         change[0].grey = -change[0].grey;
         views_[view].subtract(change);
@@ -139,7 +139,7 @@ void ShakenParticles::fit_image(std::size_t view) noexcept {
   auto& misfit = misfits_[view];
   std::size_t count = 0;
   for (std::size_t i = 0; i < particles_.size(); ++i) {
-    const Spot& spot = spots_[view][i];
+    const ViewSpot& spot = spots_[view][i];
     if (views_[view].near(spot)) misfit[count++] = views_[view].sums(spot).rr;
   }
   if (count < kTellingParticles) return;
@@ -147,7 +147,7 @@ void ShakenParticles::fit_image(std::size_t view) noexcept {
   std::nth_element(misfit.begin(), quarter, misfit.begin() + static_cast<std::ptrdiff_t>(count));
   double more = 0, wider = 0, all = 0;
   for (std::size_t i = 0; i < particles_.size(); ++i) {
-    Spot spot = spots_[view][i];
+    ViewSpot spot = spots_[view][i];
     if (!views_[view].near(spot)) continue;
     const SpotSums sums = views_[view].sums(spot);
     if (sums.rr > *quarter) continue;

@@ -61,7 +61,7 @@ class ShakenParticles {
 
  private:
   static constexpr std::size_t kBlock = 64;  // particles that a thread takes at once
-  Spot spot_of(const ShakenParticle& particle, std::size_t view, double sigma_px) const noexcept;
+  ViewSpot spot_of(const ShakenParticle& particle, std::size_t view, double sigma_px) const noexcept;
   void step(ShakenParticle& particle) const noexcept;
   void subtract(std::size_t view, double sigma_px) noexcept;
   void fit_image(std::size_t view) noexcept;
@@ -76,8 +76,8 @@ class ShakenParticles {
   std::size_t sweeps_ = 0;
   std::vector<double> sigma_px_, gain_;
   std::vector<ShakenParticle> particles_;
-  std::vector<std::vector<Spot>> spots_;     ///< by view, of all particles
-  std::vector<std::vector<float>> misfits_;  ///< by view
+  std::vector<std::vector<ViewSpot>> spots_;  ///< by view, of all particles
+  std::vector<std::vector<float>> misfits_;   ///< by view
   std::vector<float> greys_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint8_t> kept_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// rptv_bench_lpt [--part=P] [--frames=N] [--method=iterative|detections] [PPP…]: recall, precision and errors by
-// density.
+// rptv_bench_lpt [--part=P] [--frames=N] [--method=iterative|detections|tracks] [PPP…]: recall, precision and errors
+// by density. `tracks` reconstructs where tracks are expected, links, and prints every frame set.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "core/clock.hpp"
 #include "reconstruct/multi_view/iterative_views.hpp"
 #include "reconstruct/multi_view/multi_view.hpp"
 #include "tests/bench/contest.hpp"
 #include "tests/bench/lpt_scene.hpp"
+#include "tracking/linker.hpp"
 
 namespace rptv::bench {
 namespace {
@@ -32,30 +32,54 @@ std::unique_ptr<Reconstructor> make(const MultiViewSettings& settings, const Lpt
   return std::make_unique<MultiView>(settings, scene.rig(), cameras);
 }
 
+/// Sums over frame sets, as one line.
+struct Row {
+  std::uint64_t truth = 0, found = 0, measured = 0, ghosts = 0, sets = 0;
+  double square_mm2 = 0, ms = 0;
+
+  void add(const DetectionScore& one, double took_ms) {
+    truth += one.truth, found += one.found, measured += one.measured, ghosts += one.ghosts, ++sets;
+    square_mm2 += one.rms_mm * one.rms_mm * static_cast<double>(one.found), ms += took_ms;
+  }
+  void print(const std::string& name, double px_per_mm) const {
+    const double rms_mm = std::sqrt(square_mm2 / static_cast<double>(found));
+    std::cout << fmt::format("{:<8}{:>10}{:>10.2f}{:>12.2f}{:>10.4f}{:>10.3f}{:>12.0f}\n", name, truth / sets,
+                             100.0 * static_cast<double>(found) / static_cast<double>(truth),
+                             100.0 * static_cast<double>(measured - ghosts) / static_cast<double>(measured), rms_mm,
+                             rms_mm * px_per_mm, ms / static_cast<double>(sets))
+              << std::flush;
+  }
+};
+
 void run(const Options& options, double per_pixel) {
   LptScene scene(per_pixel, options.part);
   MultiViewSettings settings = scene.settings();
-  settings.method = options.method;
+  const bool with_tracks = options.method == "tracks";
+  settings.threads = 1;
+  settings.method = with_tracks ? "iterative" : options.method;
   const auto stage = make(settings, scene);
   Particles particles(static_cast<std::size_t>(settings.max_particles));
-  DetectionScore sum;
-  double square_mm2 = 0, ms = 0;
+  Linker linker(scene.linker_settings());
+  Tracks tracks(linker.capacity());
+  Row all;
   for (std::uint64_t frame = 0; frame < options.frames; ++frame) {
     FrameSet& frames = scene.frames(frame);
-    const std::int64_t start_ns = host_now_ns();
+    const double start_ms = thread_cpu_ms();
+    if (with_tracks) {
+      linker.predict(scene.time_ns(frame), tracks);
+      stage->expect(tracks);
+    }
     stage->reconstruct(frames, particles);
-    ms += 1e-6 * static_cast<double>(host_now_ns() - start_ns);
+    if (with_tracks) linker.next(particles, frame, scene.time_ns(frame), tracks);
+    const double ms = thread_cpu_ms() - start_ms;
     const DetectionScore one = scene.judge(particles);
-    sum.truth += one.truth, sum.found += one.found, sum.measured += one.measured, sum.ghosts += one.ghosts;
-    square_mm2 += one.rms_mm * one.rms_mm * static_cast<double>(one.found);
+    all.add(one, ms);
+    if (!with_tracks) continue;
+    Row row;
+    row.add(one, ms);
+    row.print(fmt::format("#{}", frame), scene.px_per_mm());
   }
-  const double rms_mm = std::sqrt(square_mm2 / static_cast<double>(sum.found));
-  std::cout << fmt::format("{:<8}{:>10}{:>10.2f}{:>12.2f}{:>10.4f}{:>10.3f}{:>12.0f}\n", per_pixel,
-                           sum.truth / options.frames,
-                           100.0 * static_cast<double>(sum.found) / static_cast<double>(sum.truth),
-                           100.0 * static_cast<double>(sum.measured - sum.ghosts) / static_cast<double>(sum.measured),
-                           rms_mm, rms_mm * scene.px_per_mm(), ms / static_cast<double>(options.frames))
-            << std::flush;
+  all.print(fmt::format("{}", per_pixel), scene.px_per_mm());
 }
 
 }  // namespace
@@ -79,8 +103,9 @@ int main(int argc, char** argv) {
   }
   if (options.per_pixel.empty()) options.per_pixel = {0.005, 0.01, 0.025, 0.05, 0.08, 0.12};
   std::cout << rptv::bench::machine()
-            << fmt::format("; {}, sensor part {}, {} frame sets\n", options.method, options.part, options.frames)
+            << fmt::format("; {}, sensor part {}, {} frame sets; CPU time of one thread for a frame set\n",
+                           options.method, options.part, options.frames)
             << fmt::format("{:<8}{:>10}{:>10}{:>12}{:>10}{:>10}{:>12}\n", "ppp", "particles", "recall %", "precision %",
-                           "rms mm", "rms px", "ms/set");
+                           "rms mm", "rms px", "CPU ms");
   for (const double per_pixel : options.per_pixel) rptv::bench::run(options, per_pixel);
 }

@@ -56,6 +56,19 @@ DetectionScore LptScene::judge(const Particles& particles) const {
   return score(measured, truth_, {{1 / px_per_mm(), 1 / px_per_mm(), 1 / px_per_mm()}}).detection;
 }
 
+LinkerSettings LptScene::linker_settings() const {
+  const auto& box = scenario_.seeding;
+  const double volume_mm3 = box.volume_x_mm * box.volume_y_mm * box.volume_z_mm;
+  const double neighbour_mm = 0.554 * std::cbrt(volume_mm3 / static_cast<double>(box.particles));
+  LinkerSettings settings;
+  settings.search_range_mm =
+      std::min(1.5 * make_flow(scenario_)->fastest_mm_s() / scenario_.rate_hz, 0.9 * neighbour_mm);
+  settings.predict = "velocity";
+  settings.memory = 1;
+  settings.max_particles = settings.max_tracks = std::max<std::int64_t>(1024, 2 * box.particles);
+  return settings;
+}
+
 MultiViewSettings LptScene::settings() const {
   const auto& box = scenario_.seeding;
   const auto& camera = scenario_.camera;

@@ -3,6 +3,7 @@
 // know.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "simulation/render_views.hpp"
 #include "simulation/score.hpp"
 #include "tests/reconstruct/multi_view/camera_frames.hpp"
+#include "tracking/linker_settings.hpp"
 
 namespace rptv::bench {
 
@@ -29,8 +31,10 @@ class LptScene {
   /// Within one voxel (0.06 mm, one pixel) on each axis.
   DetectionScore judge(const Particles& particles) const;
 
-  /// As simulated_rig writes it into rig.toml.
+  /// As `rapidptv simulate` writes them into rig.toml.
   MultiViewSettings settings() const;
+  LinkerSettings linker_settings() const;
+  std::int64_t time_ns(std::uint64_t frame) const { return std::llround(1e9 * tracers_.time_s(frame)); }
   const Rig& rig() const { return rig_; }
   std::vector<MultiViewCamera> cameras() const { return images_.views("cam", 0); }
   double px_per_mm() const { return 10000.0 / 600; }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "core/error.hpp"
 #include "reconstruct/multi_view/multi_view.hpp"
 #include "reconstruct/multi_view/residual_peaks.hpp"
@@ -45,11 +47,37 @@ TEST_F(DenseScene, is_found_where_one_look_at_each_image_loses_most) {
   EXPECT_LT(scene_.judge(found_).recall, 0.7);
 }
 
+TEST_F(DenseScene, is_found_at_once_where_tracks_are_expected) {
+  stage_.reconstruct(scene_.frames(0), found_);
+  EXPECT_TRUE(stage_.uses_tracks());
+  const std::uint64_t before = stage_.counts().found;
+  FrameSet& frames = scene_.frames(1);
+  std::mt19937 random(3);
+  std::normal_distribution<double> error(0, 0.01);
+  Tracks expected(2 * scene_.truth().size());
+  for (const TruthRow& row : scene_.truth())
+    expected.push({row.particle, row.x_mm + error(random), row.y_mm + error(random), row.z_mm + error(random), 0, 0, 0,
+                   0, 1 + static_cast<std::uint32_t>(row.age)});
+  expected.push({1U << 30, 0, 0, 0, 0, 0, 0, 0, 0});  // has no velocity yet
+  stage_.expect(expected);
+  const DetectionScore score = find(frames);
+  EXPECT_EQ(stage_.counts().expected, scene_.truth().size());
+  EXPECT_LT(stage_.counts().found - before, scene_.truth().size() / 20);
+  EXPECT_GT(score.recall, 0.995);
+  EXPECT_GT(score.precision, 0.995);
+  stage_.reconstruct(frames, found_);
+  EXPECT_EQ(stage_.counts().expected, scene_.truth().size());  // they count for one frame set
+}
+
 TEST_F(DenseScene, costs_no_allocation_after_the_first_frame) {
   if (!AllocationCounter::kCounts) GTEST_SKIP() << "the sanitizer's allocator is not counted";
   stage_.reconstruct(scene_.frames(0), found_);
   FrameSet& frames = scene_.frames(1);
+  Tracks expected(found_.size());
+  for (std::size_t i = 0; i < found_.size(); ++i)
+    expected.push({i, found_.x_mm[i], found_.y_mm[i], found_.z_mm[i], 0, 0, 0, 0, 1});
   AllocationCounter counter;
+  stage_.expect(expected);
   stage_.reconstruct(frames, found_);
   EXPECT_EQ(counter.disarm(), 0U);
 }

@@ -47,7 +47,7 @@ inline std::vector<Point3> random_places(std::size_t count, unsigned seed) {
 /// 16-bit pixels of one view over a background of 100; each particle has `grey`, each pixel Gaussian noise.
 inline std::vector<std::uint16_t> paint_view(const CameraModel& model, const std::vector<Point3>& places, double grey,
                                              double noise_grey, unsigned seed) {
-  std::vector<Spot> spots;
+  std::vector<ViewSpot> spots;
   for (const Point3& place : places) {
     const Pixel pixel = *model.project(place);
     spots.push_back({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(kSmallSigma_px),

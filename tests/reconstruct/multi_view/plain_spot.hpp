@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "reconstruct/multi_view/spot.hpp"
+#include "reconstruct/multi_view/view_spot.hpp"
 
 namespace rptv::testing {
 
@@ -23,8 +23,9 @@ inline double plain_slope(double pixel, double centre_px, double sigma_px) {
 }
 
 /// Adds the spots to a row-major image.
-inline void add_plain_spots(const std::vector<Spot>& spots, int width_px, int height_px, std::vector<double>& image) {
-  for (const Spot& spot : spots)
+inline void add_plain_spots(const std::vector<ViewSpot>& spots, int width_px, int height_px,
+                            std::vector<double>& image) {
+  for (const ViewSpot& spot : spots)
     for (int y = 0; y < height_px; ++y)
       for (int x = 0; x < width_px; ++x)
         image[static_cast<std::size_t>(y * width_px + x)] +=

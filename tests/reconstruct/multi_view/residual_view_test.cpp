@@ -20,7 +20,7 @@ constexpr GreyNoise kNoise{4, 0.5F};
 
 double between(double from, double to) { return from + (to - from) * 1e-6 * *rc::gen::inRange(0, 1000000); }
 
-Spot any_spot() {
+ViewSpot any_spot() {
   return {static_cast<float>(between(-6, kWidth + 5)), static_cast<float>(between(-6, kHeight + 5)),
           static_cast<float>(between(0.3, 3.4)), static_cast<float>(between(50, 2000))};
 }
@@ -42,13 +42,13 @@ struct AnyImage {
 
 RC_GTEST_PROP(ResidualView, is_the_image_less_all_spots, ()) {
   const AnyImage image;
-  std::vector<Spot> spots;
+  std::vector<ViewSpot> spots;
   const int count = *rc::gen::inRange(0, 30);
   for (int i = 0; i < count; ++i) spots.push_back(any_spot());
   std::vector<double> model(std::size_t{kWidth} * kHeight);
   testing::add_plain_spots(spots, kWidth, kHeight, model);
   double light = 0;
-  for (const Spot& spot : spots) light += static_cast<double>(spot.grey);
+  for (const ViewSpot& spot : spots) light += static_cast<double>(spot.grey);
   std::vector<float> first;
   for (const auto set : testing::sets_here()) {
     ResidualView view(kShape, kNoise, 1050, set);
@@ -71,7 +71,7 @@ RC_GTEST_PROP(ResidualView, is_the_image_less_all_spots, ()) {
 
 RC_GTEST_PROP(ResidualView, sums_are_those_of_the_whole_image, ()) {
   const AnyImage image;
-  const Spot spot = any_spot();
+  const ViewSpot spot = any_spot();
   const auto u = static_cast<double>(spot.u_px), v = static_cast<double>(spot.v_px);
   const auto sigma = static_cast<double>(spot.sigma_px);
   double mm = 0, uv = 0, uu = 0, mr = 0, ur = 0, vr = 0, most = 0;

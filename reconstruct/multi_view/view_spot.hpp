@@ -5,7 +5,7 @@
 namespace rptv {
 
 /// Of one particle in one view; u is the column and v the row, pixel centres are integers.
-struct Spot {
+struct ViewSpot {
   float u_px = 0, v_px = 0, sigma_px = 1;
   float grey = 0;  ///< sum of its grey values
 };

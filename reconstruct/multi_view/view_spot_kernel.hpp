@@ -8,7 +8,7 @@
 #include <cstddef>
 
 #include "reconstruct/detection/lanes.hpp"
-#include "reconstruct/multi_view/spot.hpp"
+#include "reconstruct/multi_view/view_spot.hpp"
 
 namespace rptv {
 
@@ -65,7 +65,7 @@ struct SpotPatch {
   std::size_t chunks, row_from, row_to;
 };
 
-RPTV_LANES void fill_patch(SpotPatch& patch, const Spot& spot) noexcept {
+RPTV_LANES void fill_patch(SpotPatch& patch, const ViewSpot& spot) noexcept {
   patch.chunks = SpotShares::chunks(spot.sigma_px);
   fill_shares(patch.across, spot.u_px, spot.sigma_px, patch.chunks);
   fill_shares(patch.down, spot.v_px, spot.sigma_px, patch.chunks);
