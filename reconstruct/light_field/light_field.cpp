@@ -135,10 +135,12 @@ void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) 
 void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
   dense_search->begin(image, dark.now().mean);
   const auto found = dense_search->find(particles);
+  const auto spreads = dense_search->spreads();
   particles.clear();
-  for (const auto& p : found) {
-    particles.emplace_back();
-    particles.back().at = p.at, particles.back().light = p.light;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    auto& particle = particles.emplace_back();
+    particle.at = found[k].at, particle.light = found[k].light, particle.shared = spreads[k].shared;
+    counts.rough_covariances += spreads[k].cut ? 1 : 0;
   }
   particles.resize(shake->describe(particles));
   counts.refused_candidates += dense_search->refused_hits();
