@@ -91,6 +91,7 @@ struct MultiView::Stages {
   }
   void choose(std::span<const ViewMatch> matches) noexcept;
   void write(std::span<const ViewMatch> matches, std::span<const Detections> lists, Particles& out) noexcept;
+  void tell(Losses& losses) const noexcept;
 
   const MultiViewSettings settings;
   const Volume volume;
@@ -145,6 +146,16 @@ void MultiView::Stages::write(std::span<const ViewMatch> matches, std::span<cons
   counts.refused_particles += out.overflow();
 }
 
+void MultiView::Stages::tell(Losses& losses) const noexcept {
+  const CorrespondenceCounts& matching = correspondence.counts();
+  losses.set(LossCause::frame_refused, counts.refused_frames);
+  losses.set(LossCause::view_refused, counts.refused_views);
+  losses.set(LossCause::too_few_views, counts.too_few_views);
+  losses.set(LossCause::detection_overflow, counts.refused_detections);
+  losses.set(LossCause::match_overflow, matching.refused_matches + matching.refused_hits);
+  losses.set(LossCause::search_cut, matching.unsearched);
+}
+
 MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras)
     : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {}
 
@@ -161,7 +172,7 @@ void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   out.clear();
   if (frames.cameras != s.detectors.size()) {
     ++s.counts.refused_frames;
-    return;
+    return s.tell(losses_);
   }
   std::size_t views = 0;
   for (std::size_t c = 0; c < frames.cameras; ++c) views += s.usable(frames.frames[c], c) ? 1 : 0;
@@ -175,7 +186,7 @@ void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   for (const Detections& seen : s.seen) s.counts.refused_detections += seen.overflow();
   if (views < static_cast<std::size_t>(s.settings.min_views)) {
     ++s.counts.too_few_views;
-    return;
+    return s.tell(losses_);
   }
   reconstruct(s.seen, out);
 }
@@ -187,6 +198,7 @@ void MultiView::reconstruct(std::span<const Detections> seen, Particles& out) no
   s.choose(matches);
   s.write({matches.data(), s.correspondence.size()}, seen, out);
   ++s.counts.frames;
+  s.tell(losses_);
 }
 
 }  // namespace rptv
