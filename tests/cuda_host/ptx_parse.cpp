@@ -95,8 +95,9 @@ class Body {
       kernel_.instructions[at].target = found->second;
     }
     kernel_.registers = names_.registers.size();
-    if (kernel_.registers > kPtxMaxRegisters)
-      throw PtxError("more than " + std::to_string(kPtxMaxRegisters) + " registers");
+    assign_slots(kernel_);
+    if (kernel_.registers + kernel_.constants.size() > kPtxMaxRegisters)
+      throw PtxError("more than " + std::to_string(kPtxMaxRegisters) + " registers and constants");
   }
 
  private:

@@ -23,6 +23,11 @@ class Thread {
     while (at < kernel_.instructions.size()) {
       const PtxInstruction& now = kernel_.instructions[at++];
       if (now.guard >= 0 && ((register_at(now.guard) & 1u) != 0) == now.guard_negated) continue;
+      if (now.plain) {
+        const auto& slots = now.slots;
+        registers_[slots[0]] = now.compute(registers_[slots[1]], registers_[slots[2]], registers_[slots[3]]);
+        continue;
+      }
       if (now.action == PtxAction::kExit) return;
       if (now.action == PtxAction::kBranch)
         at = now.target;
@@ -224,8 +229,10 @@ class Thread {
 
 void run_ptx_thread(const PtxKernel& kernel, const unsigned char* parameters) {
   // On the stack: nobody would free them where a fault leaves the fiber for good.
-  auto* registers = static_cast<std::uint64_t*>(__builtin_alloca(kernel.registers * sizeof(std::uint64_t)));
+  const std::size_t slots = kernel.registers + kernel.constants.size();
+  auto* registers = static_cast<std::uint64_t*>(__builtin_alloca(slots * sizeof(std::uint64_t)));
   std::fill_n(registers, kernel.registers, 0xA5A5A5A5A5A5A5A5u);
+  std::copy(kernel.constants.begin(), kernel.constants.end(), registers + kernel.registers);
   Thread(kernel, parameters, registers).run();
 }
 
