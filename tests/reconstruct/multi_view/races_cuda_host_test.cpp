@@ -15,17 +15,17 @@ namespace rptv {
 namespace {
 
 TEST(MultiViewKernels, have_no_races_when_they_match) {
-  const testing::ViewScene scene = testing::make_scene(4, 40, 0.3, 0.15);
+  const testing::ViewScene scene = testing::make_scene(4, 40, 0.5, 0.15, false, 1, 8);  // a crowd: rivals everywhere
   const auto rays = testing::rays_of(scene);
   CorrespondenceOptions options;
-  options.tolerance_px = 2, options.max_detections = 45, options.max_matches = 400;  // rivals, and few blocks
+  options.tolerance_px = 2, options.max_detections = 45, options.max_matches = 2000;
   for (const unsigned threads : {96U, 256U}) {
     const MatchRig rig(rays, scene.volume, options, threads);
     MatchStream stream(rig);
     for (const std::uint64_t seed : {0U, 4U}) {
       cuda_host::set_schedule_seed(seed);
       stream.submit(scene.detections);
-      EXPECT_GT(stream.collect().size(), 30U);
+      EXPECT_GT(stream.collect().size(), 20U);
       EXPECT_EQ(stream.counts().failed, 0U) << cuda_host::last_fault();
     }
   }
