@@ -14,7 +14,10 @@ Pipeline::Pipeline(std::unique_ptr<Source> source, std::unique_ptr<Reconstructor
       linker_(linker),
       lossless_(std::holds_alternative<Lossless>(options.intake.policy)),
       results_(options.results_in_flight, [&] { return Result(options.max_particles, linker_.capacity()); }),
-      to_linker_(Lossless{4}, losses_) {}
+      to_linker_(Lossless{4}, losses_) {
+  for (std::uint32_t c = 0; c < intake_.cameras(); ++c)
+    frames_locked_ = reconstructor_->page_lock(intake_.frame_memory(c)) && frames_locked_;
+}
 
 Pipeline::~Pipeline() { stop(); }
 
