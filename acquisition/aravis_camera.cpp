@@ -45,6 +45,10 @@ DeviceStatus AravisCamera::status() const {
   DeviceStatus now = life_->status;
   now.link += life_->ptp;
   now.counters.push_back({"delivered", life_->buffers.delivered()});
+  if (life_->settings.trigger == "software") {
+    now.counters.push_back({"triggers_fired", life_->trigger.fired()});
+    now.counters.push_back({"triggers_skipped", life_->trigger.skipped()});
+  }
   now.readings = life_->chunks.latest();
   now.last_outage = life_->buffers.last_outage();
   now.counters.push_back({"outages", now.last_outage.number});

@@ -36,6 +36,7 @@ AravisCamera::Life::Life(const AravisSettings& s, const std::string& n, std::uin
       camera(open_camera(n)),
       setup(set_up_camera(camera.get(), n, s)),
       identity(who_answers_at(setup.address, kAnswer_ns)),
+      trigger(s.trigger == "software" ? setup.period_ns : 0),
       chunks(camera.get(), n, s.chunks),
       buffers(number, setup, chunks, pool_frames, std::clamp<std::size_t>(pool_frames / 2, 2, 32), s.thread_priority) {
   status.device = setup.device;
@@ -122,6 +123,7 @@ void AravisCamera::Life::begin_session(FrameSink& sink) {
   buffers.begin(stream.get(), sink, setup.period_ns);
   arv_camera_start_acquisition(camera.get(), failure.out());
   if (failure) throw Error(ExitCode::unavailable, "camera " + name + " does not start (" + failure.text() + ")");
+  trigger.begin(host_now_ns());
   const std::lock_guard lock(mutex);
   ++status.sessions;
   status.state = DeviceState::streaming;
@@ -163,9 +165,13 @@ void AravisCamera::Life::end_session() noexcept {
 
 void AravisCamera::Life::look_after_it() {
   const std::vector<int> sockets = packet_sockets();
-  for (unsigned look = 1; !lost && wait(kLook_ns); ++look) {
+  std::int64_t look_ns = host_now_ns() + kLook_ns;
+  for (unsigned looks = 0; !lost && wait(std::min(look_ns, trigger.due_ns()) - host_now_ns());) {
+    if (!trigger.fire(camera.get(), host_now_ns())) lost = true;
+    if (host_now_ns() < look_ns) continue;
+    look_ns = host_now_ns() + kLook_ns;
     if (!has_control()) lost = true;
-    if (look % kLooksPerSecond != 0) continue;
+    if (++looks % kLooksPerSecond != 0) continue;
     clear_errors(sockets);
     chunks.ask();
     if (settings.ptp) show_ptp(read_ptp(camera.get()));

@@ -13,6 +13,7 @@
 #include "acquisition/aravis_ptp.hpp"
 #include "acquisition/aravis_setup.hpp"
 #include "acquisition/aravis_stream.hpp"
+#include "acquisition/aravis_trigger.hpp"
 #include "acquisition/gvcp_probe.hpp"
 #include "core/wake.hpp"
 
@@ -32,7 +33,7 @@ struct AravisCamera::Life {
   void end_session() noexcept;
   /// Until all that the camera sent before it was lost is read, at most half a second.
   void let_it_read() const;
-  /// Until control is lost, or stop.
+  /// Until control is lost, or stop. Fires the software trigger.
   void look_after_it();
   bool has_control() const;
   /// False when stop was asked for; returns early then, and when `lost`.
@@ -46,6 +47,7 @@ struct AravisCamera::Life {
   AravisSetup setup;
   GvcpIdentity identity;         ///< known for GigE Vision cameras
   std::uint64_t unanswered = 0;  ///< tries since it last answered
+  SoftwareTrigger trigger;
   AravisChunks chunks;
   AravisStream buffers;
   std::atomic<bool> lost{false}, stopping{false};

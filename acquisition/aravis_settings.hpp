@@ -45,8 +45,10 @@ struct AravisSettings {
     list.integer("binning", binning, 0, 16, "pixels joined in x and in y; 0: as the camera has it");
     list.number("exposure_us", exposure_us, 0, 1e8, "exposure time; 0: as the camera has it");
     list.number("gain", gain, -1, 100, "gain in the camera's unit, mostly dB; -1: as the camera has it");
-    list.number("rate_hz", rate_hz, 0, 1e5, "frames per second without trigger; 0: as the camera has it");
-    list.text("trigger", trigger, "off, software, or the camera's name of a source: Line1, Action1");
+    list.number("rate_hz", rate_hz, 0, 1e5,
+                "frames per second, without trigger or by the software trigger; 0: as the camera has it");
+    list.text("trigger", trigger,
+              "off, software (fired by this program at rate_hz), or the camera's name of a source: Line1, Action1");
     list.integer("action_device_key", action_device_key, 0, kWord,
                  "trigger Action1 and so on: the sender's device key");
     list.integer("action_group_key", action_group_key, 0, kWord, "group key of the action commands that trigger");

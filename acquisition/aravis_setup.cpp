@@ -192,6 +192,7 @@ AravisSetup set_up_camera(ArvCamera* camera, const std::string& name, const Arav
   const double rate_hz = arv_camera_get_frame_rate(camera, ignored.out());
   if (!ignored && settings.trigger == "off" && std::isfinite(rate_hz) && rate_hz > 0)
     setup.period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
+  if (settings.trigger == "software") setup.period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
   return setup;
 }
 

@@ -20,7 +20,7 @@ struct AravisSetup {
   ImageShape shape;
   std::size_t payload_bytes = 0;       ///< of one image as it is sent
   std::size_t bytes_behind_image = 0;  ///< chunk data among them
-  std::int64_t period_ns = 0;          ///< 0: unknown or triggered
+  std::int64_t period_ns = 0;          ///< 0: unknown, or triggered by others
   std::uint32_t packet_size = 0;       ///< 0: not GigE Vision
   double exposure_us = 0;              ///< 0: the camera does not say
   bool wide_ids = false;

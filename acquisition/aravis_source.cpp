@@ -14,6 +14,9 @@ AravisSource::AravisSource(const AravisSettings& settings, std::size_t pool_fram
   if (!settings.region.empty() && settings.region.size() != 4)
     throw Error(ExitCode::configuration, "aravis.region has " + std::to_string(settings.region.size()) +
                                              " numbers; give four: x, y, width, height");
+  if (settings.trigger == "software" && settings.rate_hz <= 0)
+    throw Error(ExitCode::configuration,
+                "aravis.trigger = 'software' without rate_hz; set rate_hz to how often the cameras are to be fired");
   for (const std::string& name : settings.cameras) {
     const auto number = static_cast<std::uint32_t>(cameras_.size());
     cameras_.push_back(std::make_unique<AravisCamera>(settings, name, number, pool_frames));

@@ -37,6 +37,7 @@ AravisStream::AravisStream(std::uint32_t camera, const AravisSetup& setup, Aravi
       smallest_bytes_(setup.payload_bytes - setup.bytes_behind_image),
       lent_(lent),
       priority_(priority),
+      counts_from_one_(!setup.wide_ids),
       slots_(slots),
       counter_(setup.wide_ids ? FrameCounter::Width::bits64 : FrameCounter::Width::bits16) {}
 
@@ -67,6 +68,7 @@ void AravisStream::begin(ArvStream* stream, FrameSink& sink, std::int64_t period
   sink_ = &sink;
   stream_.store(stream);
   period_ns_ = period_ns;
+  begun_ns_ = host_now_ns();
   returns_ = last_frame_ns_ != 0;
   format_.unpack == nullptr ? lend_slots(stream) : lend_buffers(stream);
 }
@@ -136,6 +138,14 @@ void AravisStream::refuse(ArvBuffer* buffer, std::size_t status) noexcept {
   lend(stream_.load(), buffer);
 }
 
+// The id of the first image tells what went before it, unless the camera counts on from an earlier stream: then it
+// tells of more than fitted into the time.
+void AravisStream::count_before_first(std::uint64_t id, std::int64_t now_ns) noexcept {
+  if (!counts_from_one_ || period_ns_ <= 0 || id <= 1 + torn_since_) return;
+  const auto fit = static_cast<std::uint64_t>((now_ns - begun_ns_) / period_ns_) + 1;
+  if (id - 1 <= fit) sink_->lose(camera_, LossCause::source_gap, id - 1 - torn_since_);
+}
+
 // The camera counts anew. What it took while it was gone, if anything, nobody knows: what the clock says was due.
 void AravisStream::end_outage(ArvBuffer* first, std::int64_t now_ns) noexcept {
   const std::int64_t away_ns = now_ns - last_frame_ns_;
@@ -170,6 +180,7 @@ void AravisStream::take(ArvStream* stream, ArvBuffer* buffer) noexcept {
   if (status != ARV_BUFFER_STATUS_SUCCESS || bytes < smallest_bytes_ || bytes > payload_bytes_)
     return refuse(buffer, status);
   if (returns_) end_outage(buffer, now_ns);
+  if (!counter_.started()) count_before_first(arv_buffer_get_frame_id(buffer), now_ns);
   last_frame_ns_ = now_ns;
   torn_since_ = 0;
   Frame frame;

@@ -59,6 +59,7 @@ class AravisStream {
   FrameLease take_slot(const void* data) noexcept;
   void take(ArvStream* stream, ArvBuffer* buffer) noexcept;
   void refuse(ArvBuffer* buffer, std::size_t status) noexcept;
+  void count_before_first(std::uint64_t id, std::int64_t now_ns) noexcept;
   void end_outage(ArvBuffer* first, std::int64_t now_ns) noexcept;
   void make_buffers();
   void lend_slots(ArvStream* stream);
@@ -72,12 +73,14 @@ class AravisStream {
   const std::size_t smallest_bytes_;  ///< of one with fewer chunks than it might have
   const std::size_t lent_;
   const std::int64_t priority_;
+  const bool counts_from_one_;         ///< as GigE Vision does in each stream; USB3 Vision does not
   std::vector<Slot> slots_;            ///< by slot number of the pool
   bool buffers_made_ = false;          ///< of every slot
   std::vector<BufferHandle> buffers_;  ///< of packed pixels
   FrameCounter counter_;
   FrameSink* sink_ = nullptr;
   std::int64_t period_ns_ = 0;
+  std::int64_t begun_ns_ = 0;
   std::int64_t last_frame_ns_ = 0;  // receiving thread, as the next two; 0: none yet
   std::uint64_t torn_since_ = 0;    // incomplete images since the last frame
   bool returns_ = false;            // no frame of this session yet, but of an earlier one

@@ -23,6 +23,8 @@ std::string cause_of(const DeviceStatus* device, bool packets_missing, bool had_
   if (device->state == DeviceState::connecting) return "the device is not connected yet; check its address and power";
   if (packets_missing)
     return "the driver counts missing packets: too little bandwidth, or a firewall drops them; run `rapidptv doctor`";
+  if (device->link.find("trigger software") != std::string::npos)
+    return "it is fired by software and sends nothing; check that its exposure fits into the period of rate_hz";
   if (device->link.find("rigger") != std::string::npos)
     return "a trigger is configured and none comes; check its line and its generator";
   if (had_frames) return "the device answers and sends nothing; check its trigger, its cable and the link";

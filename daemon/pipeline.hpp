@@ -69,6 +69,8 @@ class Pipeline {
  private:
   void reconstruct_loop() noexcept;
   void link_loop() noexcept;
+  void reconstruct(const FrameSet& frames, Result& result) noexcept;
+  void link(Result& result) noexcept;
   ResultLease claim_result() noexcept;
 
   static constexpr std::int64_t kPatienceNs = 100'000'000;
@@ -79,6 +81,8 @@ class Pipeline {
   bool frames_locked_ = true;
   Linker linker_;
   const bool lossless_;
+  const bool in_turns_;  ///< the reconstruction asks for expected tracks: its thread links, too
+  Tracks expected_;
   Losses losses_;  // of the stages after intake
   ResultPool results_;
   HandOver<ResultLease> to_linker_;

@@ -12,6 +12,7 @@
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/light_field/light_field.hpp"
+#include "reconstruct/multi_view/iterative_views.hpp"
 #include "reconstruct/multi_view/multi_view.hpp"
 #include "replay/image_file.hpp"
 #include "replay/replay_source.hpp"
@@ -117,6 +118,7 @@ std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::
     backgrounds.emplace_back(files.empty() ? std::string() : files[c], cameras[c].shape);
     views.push_back({cameras[c].name, cameras[c].shape, backgrounds.back().view()});
   }
+  if (settings.method == "iterative") return std::make_unique<IterativeViews>(settings, read_rig(settings.rig), views);
   return std::make_unique<MultiView>(settings, read_rig(settings.rig), views);
 }
 

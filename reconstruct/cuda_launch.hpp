@@ -23,13 +23,13 @@ bool launch_blocks(void (*kernel)(Parameters...), std::size_t blocks, unsigned t
   return cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...) == cudaSuccess;
 }
 
-/// The same with as many blocks as give `items` a thread each, 65535 at most: a kernel goes on from item i to
+/// The same with as many blocks as give `items` a thread each, 2048 at most: a kernel goes on from item i to
 /// i + cuda_stride(). No items are no launch.
 template <class... Parameters, class... Arguments>
 bool launch(void (*kernel)(Parameters...), std::size_t items, unsigned threads_per_block, void* stream,
             const Arguments&... arguments) noexcept {
   const std::size_t blocks = (items + threads_per_block - 1) / threads_per_block;
-  return launch_blocks(kernel, blocks < 65535 ? blocks : 65535, threads_per_block, 0, stream, arguments...);
+  return launch_blocks(kernel, blocks < 2048 ? blocks : 2048, threads_per_block, 0, stream, arguments...);
 }
 
 /// Of a one-dimensional launch: the first item of this thread.

@@ -3,6 +3,7 @@
 #include "reconstruct/detection/lit_maxima_cuda.hpp"
 
 #include "reconstruct/cuda_launch.hpp"
+#include "reconstruct/cuda_scan.hpp"
 #include "reconstruct/detection/lit_maximum_kernel.hpp"
 
 namespace rptv {
@@ -12,12 +13,12 @@ namespace {
 // visit(x, lanes, found) for each 32 pixels of the row `y`: lanes with a maximum, and whether this one has.
 template <class Pixel, class Visit>
 __device__ void each_maximum(const CudaImage& image, const CudaDark& dark, std::uint32_t y, const Visit& visit) {
-  const std::uint32_t lane = threadIdx.x % kWarp, width = image.width_px;
+  const std::uint32_t width = image.width_px;
   const Pixel* row = static_cast<const Pixel*>(image.pixels) + std::size_t{y} * width;
   const std::uint16_t* limit = dark.limit + (dark.uniform ? 0 : std::size_t{y} * width);
   const bool inner = y > 0 && y + 1 < image.height_px;
   for (std::uint32_t first = 0; first < width; first += kWarp) {
-    const std::uint32_t x = first + lane;
+    const std::uint32_t x = first + cuda_lane();
     const bool found = inner && x > 0 && x + 1 < width && row[x] > limit[dark.uniform ? 0 : x] &&
                        is_maximum(row + x, static_cast<std::ptrdiff_t>(width));
     visit(x, __ballot_sync(kAllLanes, found), found);
@@ -29,35 +30,17 @@ __global__ void count_maxima(CudaImage image, CudaDark dark, std::uint32_t* row_
   for (std::uint32_t y = cuda_item() / kWarp; y < image.height_px; y += cuda_stride() / kWarp) {
     std::uint32_t count = 0;
     each_maximum<Pixel>(image, dark, y, [&](std::uint32_t, std::uint32_t lanes, bool) { count += __popc(lanes); });
-    if (threadIdx.x % kWarp == 0) row_start[y + 1] = count;
+    if (cuda_lane() == 0) row_start[y] = count;
   }
-}
-
-// Counts of rows become the sums of those up to them; one warp.
-__global__ void add_up(std::uint32_t* row_start, std::uint32_t rows) {
-  const std::uint32_t lane = threadIdx.x;
-  std::uint32_t sum = 0;
-  for (std::uint32_t first = 1; first <= rows; first += kWarp) {
-    const std::uint32_t row = first + lane;
-    std::uint32_t up_to = row <= rows ? row_start[row] : 0;
-    for (std::uint32_t step = 1; step < kWarp; step *= 2) {
-      const std::uint32_t before = __shfl_up_sync(kAllLanes, up_to, step);
-      up_to += lane >= step ? before : 0;
-    }
-    if (row <= rows) row_start[row] = sum + up_to;
-    sum += __shfl_sync(kAllLanes, up_to, kWarp - 1);
-  }
-  if (lane == 0) row_start[0] = 0;
 }
 
 template <class Pixel>
 __global__ void write_maxima(CudaImage image, CudaDark dark, CudaMaxima out) {
-  const std::uint32_t before = (1U << threadIdx.x % kWarp) - 1;
   for (std::uint32_t y = cuda_item() / kWarp; y < image.height_px; y += cuda_stride() / kWarp) {
     std::uint32_t next = out.row_start[y];
     if (out.row_start[y + 1] == next) continue;
     each_maximum<Pixel>(image, dark, y, [&](std::uint32_t x, std::uint32_t lanes, bool found) {
-      const std::uint32_t at = next + __popc(lanes & before);
+      const std::uint32_t at = next + lanes_before(lanes);
       if (found && at < out.capacity)
         out.x[at] = static_cast<std::int32_t>(x), out.y[at] = static_cast<std::int32_t>(y);
       next += __popc(lanes);
@@ -70,7 +53,8 @@ bool find(const CudaImage& image, const CudaDark& dark, const CudaMaxima& out, v
           unsigned threads) noexcept {
   const std::size_t all = std::size_t{image.height_px} * kWarp;
   return launch(count_maxima<Pixel>, all, threads, stream, image, dark, out.row_start) &&
-         launch(add_up, kWarp, kWarp, stream, out.row_start, image.height_px) &&
+         exclusive_scan_cuda(out.row_start, image.height_px, nullptr, out.row_start + image.height_px, stream,
+                             threads) &&
          launch(write_maxima<Pixel>, all, threads, stream, image, dark, out);
 }
 

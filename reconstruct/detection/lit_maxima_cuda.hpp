@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// find_lit_maxima() on the device: a warp a row counts, one warp adds up, and a warp a row writes.
+// find_lit_maxima() on the device: a warp a row counts, one block adds up, and a warp a row writes.
 #pragma once
 
 #include "reconstruct/detection/image_cuda.hpp"

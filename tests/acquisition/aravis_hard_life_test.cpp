@@ -48,13 +48,11 @@ TEST(AravisHardLife, is_back_soon_after_each_kill_without_leak_or_stale_image) {
   auto camera = std::make_unique<CameraProcess>("127.0.21.1", 1);
   Rig rig(settings_for("127.0.21.1"));
   ASSERT_TRUE(streams_in_session(rig, 1, 20)) << rig.status().problem;
-  std::uint64_t least = 0, most = 0;  // images that were sent: the one under way at the kill may have left or not
   std::vector<double> back_ms;
   Holdings first;
   for (std::uint64_t session = 2; session <= kills + 1; ++session) {
     camera->kill();
-    least += camera->truth().sent;
-    most += camera->truth().begun;
+    rig.lives().over(session - 1, camera->truth());
     if (session % 10 == 5) {  // gone for so long that the driver gives the camera up by itself
       ASSERT_TRUE(rig.take_until([&] { return rig.status().state == DeviceState::lost; }));
     }
@@ -67,11 +65,12 @@ TEST(AravisHardLife, is_back_soon_after_each_kill_without_leak_or_stale_image) {
   }
   const Holdings last = Holdings::now();
   camera->rest();
-  least += camera->truth().sent;
-  most += camera->truth().begun;
+  const CameraLives& lives = rig.lives();
+  rig.lives().over(kills + 1, camera->truth());
   const std::uint64_t last_image = (kills + 1) << 32 | camera->truth().sent;
-  rig.take_until([&] { return rig.accounted() >= least || rig.received().newest == last_image; });
-  EXPECT_TRUE(rig.explains(least, most, kills)) << rig.accounted() << " of " << least << " to " << most;
+  rig.take_until([&] { return rig.accounted() >= lives.least() || rig.received().newest == last_image; });
+  EXPECT_TRUE(lives.explain(rig.accounted(), rig.estimated()))
+      << rig.accounted() << " of " << lives.least() << " to " << lives.most();
   EXPECT_EQ(rig.received().wrong, 0U) << "an image of an earlier session, a damaged one, or an index that fell";
   EXPECT_EQ(last.descriptors, first.descriptors);
   EXPECT_LE(last.heap_bytes, first.heap_bytes + (64 << 10) * kills);
@@ -79,12 +78,14 @@ TEST(AravisHardLife, is_back_soon_after_each_kill_without_leak_or_stale_image) {
   EXPECT_LT(back_ms.back(), 30'000);
   std::printf(
       "%zu kills: back P50 %.0f ms, max %.0f ms after the first answer; %zu descriptors; heap %+lld bytes and "
-      "resident %+lld KiB over %lld kills; sent %llu to %llu, accounted %llu, estimated %llu\n",
+      "resident %+lld KiB over %lld kills; sent %llu to %llu, accounted %llu, "
+      "next to an outage %llu, estimated %llu\n",
       back_ms.size(), back_ms[back_ms.size() / 2], back_ms.back(), last.descriptors,
       static_cast<long long>(last.heap_bytes - first.heap_bytes),
       static_cast<long long>(last.resident_kib - first.resident_kib), static_cast<long long>(kills) - 2,
-      static_cast<unsigned long long>(least), static_cast<unsigned long long>(most),
-      static_cast<unsigned long long>(rig.accounted()), static_cast<unsigned long long>(rig.estimated()));
+      static_cast<unsigned long long>(lives.least()), static_cast<unsigned long long>(lives.most()),
+      static_cast<unsigned long long>(rig.accounted()), static_cast<unsigned long long>(lives.next_to_outages()),
+      static_cast<unsigned long long>(rig.estimated()));
 }
 
 TEST(AravisHardLife, counts_what_an_outage_cost_apart_from_what_is_known) {

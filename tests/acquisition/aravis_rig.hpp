@@ -2,7 +2,6 @@
 // An Aravis source with its intake, and a book of what came.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "acquisition/aravis_source.hpp"
 #include "acquisition/intake.hpp"
 #include "core/clock.hpp"
+#include "tests/acquisition/camera_lives.hpp"
 #include "tests/acquisition/gvsp_image.hpp"
 #include "tests/acquisition/payload.hpp"
 
@@ -57,11 +57,8 @@ class Rig {
   std::uint64_t estimated() const { return intake_.losses(0).of(LossCause::source_outage); }
   /// Images of which it is known what became of them.
   std::uint64_t accounted() const { return received_.images + lost(); }
-  /// Whether `least` to `most` images may have been sent. On a starved machine the kernel drops what lies unread for
-  /// 160 ms; next to an outage nobody knows of that, and it is in the outage's estimate: up to 20 images for each.
-  bool explains(std::uint64_t least, std::uint64_t most, std::uint64_t outages) const {
-    return accounted() <= most && accounted() + std::min(estimated(), 20 * outages) >= least;
-  }
+  /// What the camera sent in its lives so far; the test tells when one is over.
+  CameraLives& lives() { return lives_; }
   /// True once every image that was sent is accounted for. The camera must send no more.
   bool settles_at(std::uint64_t sent) {
     return take_until([&] { return accounted() >= sent; }) && accounted() == sent;
@@ -78,6 +75,7 @@ class Rig {
       received_.first_index = frame.info.index;
     }
     received_.newest = number;
+    lives_.came(number);
     received_.newest_index = frame.info.index;
     received_.clock = frame.info.clock;
   }
@@ -86,6 +84,7 @@ class Rig {
   AravisSource source_;
   Intake intake_;
   Received received_;
+  CameraLives lives_;
 };
 
 }  // namespace rptv

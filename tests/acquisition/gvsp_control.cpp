@@ -28,8 +28,7 @@ bool GvspDevice::obey(std::uint16_t command, const std::uint8_t* request, std::s
       return true;
     case 0x0082: {  // write registers
       std::size_t count = 0;
-      for (std::size_t i = 8; i + 8 <= size; i += 8, ++count)
-        arv_fake_camera_write_register(registers_, get32(request + i), get32(request + i + 4));
+      for (std::size_t i = 8; i + 8 <= size; i += 8, ++count) write(get32(request + i), get32(request + i + 4));
       put32(reply, count);
       length = 4;
       return true;
@@ -49,6 +48,13 @@ bool GvspDevice::obey(std::uint16_t command, const std::uint8_t* request, std::s
     default:
       return false;
   }
+}
+
+void GvspDevice::write(std::uint32_t address, std::uint32_t value) {
+  arv_fake_camera_write_register(registers_, address, value);
+  if (address == ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE && reg(ARV_FAKE_CAMERA_REGISTER_ACQUISITION) != 0 &&
+      reg(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE) != 0 && reg(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE) == 1)
+    ++pulled_;
 }
 
 bool GvspDevice::is_for_us(const std::uint8_t* action) {

@@ -99,7 +99,8 @@ void GvspDevice::send_image() {
   if (recent_.size() >= 16) recent_.pop_front();
   recent_.push_back(std::move(image));
   send_stray(recent_.back().id);
-  for (std::uint32_t k = 0; k <= recent_.back().last; ++k) send_packet(recent_.back(), k);
+  if (truth_.begun > faults_.lost_at_start)
+    for (std::uint32_t k = 0; k <= recent_.back().last; ++k) send_packet(recent_.back(), k);
   ++truth_.sent;
 }
 

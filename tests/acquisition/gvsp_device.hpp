@@ -26,6 +26,7 @@ struct GvspFaults {
   std::uint32_t seed = 1;
   double strays = 0;  ///< per image: a packet before it that belongs to no image
   bool ptp_has_master = true;
+  std::uint64_t lost_at_start = 0;  ///< images of which no packet leaves
 };
 
 struct GvspIdentity {
@@ -56,6 +57,7 @@ class GvspDevice {
   void answer(int descriptor);
   bool obey(std::uint16_t command, const std::uint8_t* request, std::size_t size, std::uint8_t* reply,
             std::size_t& length);
+  void write(std::uint32_t address, std::uint32_t value);
   void resend(const std::uint8_t* request);
   void follow_master();
   bool is_for_us(const std::uint8_t* action);

@@ -45,6 +45,9 @@ TEST(SilenceAlarm, names_the_cause_that_the_device_points_to) {
   DeviceStatus triggered = calm;
   triggered.link = "Mono8, trigger Line1";
   EXPECT_THAT(cause(triggered, triggered, 0), HasSubstr("trigger is configured"));
+  DeviceStatus fired = calm;
+  fired.link = "Mono8, trigger software";
+  EXPECT_THAT(cause(fired, fired, 0), HasSubstr("rate_hz"));
   DeviceStatus lost = triggered;
   lost.state = DeviceState::lost;
   EXPECT_THAT(cause(triggered, lost, 9), HasSubstr("device is lost"));
