@@ -132,10 +132,12 @@ PipelineCounts Pipeline::counts() const noexcept {
 
 std::array<std::uint64_t, kLossCauseCount> Pipeline::losses() const noexcept {
   auto sum = losses_.snapshot();
-  for (std::uint32_t c = 0; c < intake_.cameras(); ++c) {
-    const auto lane = intake_.losses(c).snapshot();
-    for (std::size_t i = 0; i < kLossCauseCount; ++i) sum[i] += lane[i];
-  }
+  const auto add = [&sum](const Losses& losses) {
+    const auto counts = losses.snapshot();
+    for (std::size_t i = 0; i < kLossCauseCount; ++i) sum[i] += counts[i];
+  };
+  add(reconstruction_losses());
+  for (std::uint32_t c = 0; c < intake_.cameras(); ++c) add(intake_.losses(c));
   return sum;
 }
 

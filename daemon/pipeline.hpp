@@ -63,6 +63,7 @@ class Pipeline {
   ClockMapping clock_mapping(std::uint32_t camera) const noexcept { return intake_.clock_mapping(camera); }
   ClockSkew skew(std::uint32_t camera) const noexcept { return intake_.skew(camera); }
   const Losses& stage_losses() const noexcept { return losses_; }
+  const Losses& reconstruction_losses() const noexcept { return reconstructor_->losses(); }
   const Source& source() const noexcept { return *source_; }
   const Linker& linker() const noexcept { return linker_; }  ///< its counters: after stop()
 

@@ -91,13 +91,18 @@ void Session::fill_status(StatusReport& status) {
   }
   last_status_ns_ = now_ns;
   last_status_ = now;
-  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
-    append_losses(status.losses, camera_names_[c], pipeline_->camera_losses(c));
-  append_losses(status.losses, "pipeline", pipeline_->stage_losses());
-  append_losses(status.losses, "readers", reader_losses_);
+  append_all_losses(status.losses);
   status.cameras = camera_reports();
   if (!sync_warning_.empty()) status.warnings.push_back(sync_warning_);
   if (flowing_.load() && !finished()) fill_silence(status, now_ns);
+}
+
+void Session::append_all_losses(std::vector<LossCount>& out) const {
+  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
+    append_losses(out, camera_names_[c], pipeline_->camera_losses(c));
+  append_losses(out, "reconstruction", pipeline_->reconstruction_losses());
+  append_losses(out, "pipeline", pipeline_->stage_losses());
+  append_losses(out, "readers", reader_losses_);
 }
 
 std::vector<CameraReport> Session::camera_reports() const {
@@ -138,10 +143,7 @@ SessionReport Session::report() const {
   SessionReport report;
   report.counts = counts();
   report.linker = pipeline_->linker().counters();
-  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
-    append_losses(report.losses, camera_names_[c], pipeline_->camera_losses(c));
-  append_losses(report.losses, "pipeline", pipeline_->stage_losses());
-  append_losses(report.losses, "readers", reader_losses_);
+  append_all_losses(report.losses);
   for (std::size_t i = 0; i < kStageCount; ++i) report.latency[i] = summary_of(publisher_->latency()[i]);
   report.elapsed_s = seconds(stopped_ns_ - started_ns_);
   report.cameras = last_cameras_;

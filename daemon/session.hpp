@@ -58,6 +58,7 @@ class Session {
   void fill_status(StatusReport& status);
   void fill_silence(StatusReport& status, std::int64_t now_ns);
   std::vector<CameraReport> camera_reports() const;
+  void append_all_losses(std::vector<LossCount>& out) const;
 
   Losses reader_losses_;  // of publisher and writer
   std::vector<std::string> camera_names_;

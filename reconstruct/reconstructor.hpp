@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/frame.hpp"
+#include "core/losses.hpp"
 #include "core/particles.hpp"
 #include "core/tracks.hpp"
 
@@ -26,6 +27,12 @@ class Reconstructor {
   virtual bool uses_tracks() const noexcept { return false; }
   /// All live tracks, as expected at the exposure of the frame set that reconstruct() gets next (Linker::predict()).
   virtual void expect(const Tracks& /*expected*/) noexcept {}
+
+  /// What was left out since construction; particles that `out` had no room for are not in it. Any thread.
+  const Losses& losses() const noexcept { return losses_; }
+
+ protected:
+  Losses losses_;  // written by the reconstructing thread
 };
 
 }  // namespace rptv

@@ -85,6 +85,8 @@ void tell_matches(const CorrespondenceCounts& n, const char* tolerance) {
 void tell(const Reconstructor& stage, std::size_t instants, std::uint64_t particles) {
   if (const auto* iterative = dynamic_cast<const IterativeViews*>(&stage)) {
     tell_frames(iterative->counts(), instants, particles);
+    if (const std::uint64_t places = iterative->counts().refused_places; places > 0)
+      std::cerr << fmt::format("{} places of particles were left out: raise multi_view.max_particles\n", places);
     tell_detections(iterative->counts().refused_peaks);
     tell_matches(iterative->correspondence_counts(), "iterative.tolerance_px");
     return;

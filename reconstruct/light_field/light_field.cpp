@@ -37,6 +37,7 @@ struct LightField::Stages {
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
   void find_overlapping(const ImageView& image) noexcept;
   void write(Particles& out) const noexcept;
+  void tell(Losses& losses) const noexcept;
 
   const LightFieldSettings settings;
   const ImageShape shape;
@@ -161,6 +162,13 @@ void LightField::Stages::write(Particles& out) const noexcept {
   }
 }
 
+void LightField::Stages::tell(Losses& losses) const noexcept {
+  losses.set(LossCause::frame_refused, counts.refused_frames);
+  losses.set(LossCause::ray_overflow, counts.refused_pixels);
+  losses.set(LossCause::candidate_overflow, counts.refused_candidates);
+  losses.set(LossCause::particle_overflow, counts.refused_particles);
+}
+
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                        const ImageView& background, const MakeLightFieldDevice& make_device) {
   check_choices(settings);
@@ -179,6 +187,7 @@ void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   if (frames.cameras == 1 && !frames.info().torn) return reconstruct(frames.frames[0].view(), out);
   out.clear();
   ++stages_->counts.refused_frames;
+  stages_->tell(losses_);
 }
 
 void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
@@ -186,7 +195,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   out.clear();
   if (image.data == nullptr || !image.shape.has_size_of(s.shape)) {
     ++s.counts.refused_frames;
-    return;
+    return s.tell(losses_);
   }
   s.dark.refresh();
   const std::size_t lit = s.search.find_lit(image, s.dark.now().limit, s.dark.follows(), s.lit);
@@ -200,6 +209,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   s.dark.offer(image);
   s.counts.device_failed = s.search.device_failed();
   ++s.counts.frames;
+  s.tell(losses_);
 }
 
 }  // namespace rptv

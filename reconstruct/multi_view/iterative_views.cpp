@@ -10,6 +10,7 @@
 #include "reconstruct/multi_view/residual_peaks.hpp"
 #include "reconstruct/multi_view/shaken_particles.hpp"
 #include "reconstruct/multi_view/view_ghosts.hpp"
+#include "reconstruct/multi_view/view_losses.hpp"
 #include "reconstruct/parallel.hpp"
 
 namespace rptv {
@@ -72,6 +73,10 @@ struct IterativeViews::Stages {
   void take(const ViewMatch& match) noexcept;
   void shake(std::int64_t sweeps) noexcept;
   void write(Particles& out) noexcept;
+  void tell(Losses& losses) const noexcept {
+    tell_view_losses(counts, correspondence.counts(), counts.refused_peaks, losses);
+    losses.set(LossCause::candidate_overflow, counts.refused_places);
+  }
 
   const MultiViewSettings settings;
   const FrameGate gate;
@@ -104,7 +109,7 @@ void IterativeViews::Stages::load(const FrameSet& frames) noexcept {
 void IterativeViews::Stages::start() noexcept {
   const float grey = cloud.median_grey();
   cloud.clear();
-  for (const Point3& at_mm : expected) counts.refused_particles += cloud.push(at_mm, grey) ? 0 : 1;
+  for (const Point3& at_mm : expected) counts.refused_places += cloud.push(at_mm, grey) ? 0 : 1;
   expected.clear();
   if (cloud.all().empty()) return;
   counts.expected += cloud.all().size();
@@ -120,7 +125,7 @@ void IterativeViews::Stages::take(const ViewMatch& match) noexcept {
   if (cloud.push(volume.centre() + match.at_mm, static_cast<float>(grey)))
     ++counts.found;
   else
-    ++counts.refused_particles;
+    ++counts.refused_places;
 }
 
 // Returns how many it took up.
@@ -191,7 +196,7 @@ void IterativeViews::reconstruct(const FrameSet& frames, Particles& out) noexcep
   auto& s = *stages_;
   out.clear();
   const std::size_t views = s.gate.admit(frames, s.counts);
-  if (views == 0) return;
+  if (views == 0) return s.tell(losses_);
   s.load(frames);
   s.start();
   const IterationSettings& iterative = s.settings.iterative;
@@ -202,6 +207,7 @@ void IterativeViews::reconstruct(const FrameSet& frames, Particles& out) noexcep
   s.sigma_known = s.sigma_known || s.cloud.all().size() >= ShakenParticles::kTellingParticles;
   s.write(out);
   ++s.counts.frames;
+  s.tell(losses_);
 }
 
 }  // namespace rptv

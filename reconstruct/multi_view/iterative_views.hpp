@@ -15,6 +15,7 @@ namespace rptv {
 /// Since construction, except where stated. Read on the reconstructing thread, or after it.
 struct IterativeCounts : FrameSetCounts {
   std::uint64_t refused_peaks = 0;       ///< maxima of residual images beyond max_detections
+  std::uint64_t refused_places = 0;      ///< where particles may be, beyond the room for them
   std::uint64_t refused_particles = 0;   ///< beyond max_particles
   std::uint64_t expected = 0;            ///< places of tracks that were looked at first
   std::uint64_t found = 0, dropped = 0;  ///< particles over all rounds: taken up, and let go again

@@ -8,6 +8,7 @@
 #include "reconstruct/multi_view/chance_of_match.hpp"
 #include "reconstruct/multi_view/view_fit.hpp"
 #include "reconstruct/multi_view/view_ghosts.hpp"
+#include "reconstruct/multi_view/view_losses.hpp"
 #include "reconstruct/parallel.hpp"
 
 namespace rptv {
@@ -34,6 +35,7 @@ struct MultiView::Stages {
 
   void choose(std::span<const ViewMatch> matches) noexcept;
   void write(std::span<const ViewMatch> matches, std::span<const Detections> lists, Particles& out) noexcept;
+  void tell(Losses& losses) const noexcept;
 
   const MultiViewSettings settings;
   const FrameGate gate;
@@ -88,6 +90,10 @@ void MultiView::Stages::write(std::span<const ViewMatch> matches, std::span<cons
   counts.refused_particles += out.overflow();
 }
 
+void MultiView::Stages::tell(Losses& losses) const noexcept {
+  tell_view_losses(counts, correspondence.counts(), counts.refused_detections, losses);
+}
+
 MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras)
     : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {}
 
@@ -103,7 +109,7 @@ void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   auto& s = *stages_;
   out.clear();
   for (Detections& seen : s.seen) seen.clear();
-  if (s.gate.admit(frames, s.counts) == 0) return;
+  if (s.gate.admit(frames, s.counts) == 0) return s.tell(losses_);
   const std::size_t threads = std::min(thread_count(s.settings.threads), s.detectors.size());
   parallel_for(s.detectors.size(), threads, [&](std::size_t camera, std::size_t) {
     if (s.gate.usable(frames.frames[camera], camera))
@@ -120,6 +126,7 @@ void MultiView::reconstruct(std::span<const Detections> seen, Particles& out) no
   s.choose(matches);
   s.write({matches.data(), s.correspondence.size()}, seen, out);
   ++s.counts.frames;
+  s.tell(losses_);
 }
 
 }  // namespace rptv

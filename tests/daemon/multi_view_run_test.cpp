@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/points_table.hpp"
+#include "daemon/live_listener.hpp"
+#include "daemon/session.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/proto/place.hpp"
 #include "tests/reconstruct/multi_view/camera_frames.hpp"
@@ -88,6 +92,36 @@ TEST(MultiViewRun, by_iteration_gives_them_too_with_and_without_tracks) {
   EXPECT_NEAR(static_cast<double>(depths(recording.file("table.csv")).size()), 80, 4);
   EXPECT_EQ(depths(recording.file("run.csv")), depths(recording.file("table.csv")));
   EXPECT_NEAR(static_cast<double>(depths(recording.file("tracked.csv")).size()), 80, 4);
+}
+
+const LossCount* loss_of(const std::vector<LossCount>& losses, LossCause cause) {
+  const auto found = std::find_if(losses.begin(), losses.end(), [cause](const LossCount& loss) {
+    return loss.cause == cause && loss.place == "reconstruction";
+  });
+  return found == losses.end() ? nullptr : &*found;
+}
+
+TEST(MultiViewRun, says_in_status_and_report_what_reconstruction_left_out) {
+  const PaintedRecording recording;
+  Config config = load_config(recording.file("run.toml"), {"multi_view.detector.max_detections=16", "replay.loop=0"});
+  config.publisher.status_period_ms = 50;
+  LiveListener listener(config.publisher.endpoint);
+  Session session(config);
+  session.start();
+  const std::int64_t deadline_ns = host_now_ns() + 60'000'000'000;
+  while (loss_of(listener.status().losses, LossCause::detection_overflow) == nullptr && host_now_ns() < deadline_ns)
+    listener.poll(100);
+  session.stop();
+  const LossCount* told = loss_of(listener.status().losses, LossCause::detection_overflow);
+  ASSERT_NE(told, nullptr);
+  const SessionReport report = session.report();
+  const LossCount* kept = loss_of(report.losses, LossCause::detection_overflow);
+  ASSERT_NE(kept, nullptr);
+  EXPECT_GE(kept->count, told->count);
+  EXPECT_GE(kept->count, report.counts.linked * 4 * 20) << "each view has some 40 particle images and room for 16";
+  EXPECT_THAT(to_text(report), HasSubstr("lost: " + std::to_string(kept->count) + " × detection_overflow at recon"));
+  EXPECT_THAT(to_json(report), HasSubstr(R"({"place":"reconstruction","cause":"detection_overflow","count":)" +
+                                         std::to_string(kept->count) + "}"));
 }
 
 TEST(MultiViewRun, of_one_light_field_says_which_key_to_set) {
