@@ -16,7 +16,10 @@ Pipeline::Pipeline(std::unique_ptr<Source> source, std::unique_ptr<Reconstructor
       in_turns_(reconstructor_->uses_tracks()),
       expected_(in_turns_ ? linker_.capacity() : 0),
       results_(options.results_in_flight, [&] { return Result(options.max_particles, linker_.capacity()); }),
-      to_linker_(Lossless{4}, losses_) {}
+      to_linker_(Lossless{4}, losses_) {
+  for (std::uint32_t c = 0; c < intake_.cameras(); ++c)
+    frames_locked_ = reconstructor_->page_lock(intake_.frame_memory(c)) && frames_locked_;
+}
 
 Pipeline::~Pipeline() { stop(); }
 

@@ -44,6 +44,9 @@ class Pipeline {
   /// Before start() only. What it refers to must outlive stop().
   void add_reader(ResultReader reader) { readers_.push_back(std::move(reader)); }
 
+  /// False when the reconstruction wants frames in page-locked memory and the system refuses: it is slower then.
+  bool frames_locked() const noexcept { return frames_locked_; }
+
   void start();
   /// Stops the source, drains what is in flight and joins the threads. Idempotent; main thread.
   void stop() noexcept;
@@ -76,6 +79,7 @@ class Pipeline {
   Intake intake_;
   std::unique_ptr<Source> source_;
   std::unique_ptr<Reconstructor> reconstructor_;
+  bool frames_locked_ = true;
   Linker linker_;
   const bool lossless_;
   const bool in_turns_;  ///< the reconstruction asks for expected tracks: its thread links, too

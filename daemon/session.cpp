@@ -38,6 +38,9 @@ Session::Session(const Config& config, std::unique_ptr<Source> source, std::uniq
   options.max_particles = config.max_particles();
   options.results_in_flight = static_cast<std::size_t>(config.publisher.queue_depth) + 24;
   pipeline_ = std::make_unique<Pipeline>(std::move(source), std::move(reconstructor), config.linker, options);
+  if (!pipeline_->frames_locked())
+    spdlog::warn(
+        "frames could not be page-locked; copies to the GPU are slower: raise `ulimit -l` or lower pool_frames");
   publisher_ = std::make_unique<Publisher>(config.publisher,
                                            PublisherContent{options.max_particles, pipeline_->linker().capacity(),
                                                             config.calibration_text(), to_toml(config)},

@@ -2,6 +2,9 @@
 // The seam between frames and particles: light field and multi-view, CPU and CUDA, implement this.
 #pragma once
 
+#include <cstddef>
+#include <span>
+
 #include "core/frame.hpp"
 #include "core/losses.hpp"
 #include "core/particles.hpp"
@@ -15,6 +18,10 @@ class Reconstructor {
   virtual ~Reconstructor() = default;
   /// Clears `out` and fills it with the particles of one instant, in order of falling support. One thread at a time.
   virtual void reconstruct(const FrameSet& frames, Particles& out) noexcept = 0;
+
+  /// Frames to come lie in `memory`, which outlives this. Set-up only. False when page-locked memory would make it
+  /// faster, and the system refuses that.
+  virtual bool page_lock(std::span<std::byte> /*memory*/) noexcept { return true; }
 
   /// Whether it looks first where known tracks are expected; then expect() precedes every reconstruct().
   virtual bool uses_tracks() const noexcept { return false; }

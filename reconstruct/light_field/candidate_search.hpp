@@ -19,6 +19,8 @@ class CandidateSearch {
   CandidateSearch(const LightFieldSettings& settings, const LightFieldDevicePlan& plan, std::uint16_t min_count,
                   const MakeLightFieldDevice& make_device);
 
+  /// Reconstructor::page_lock().
+  bool page_lock(std::span<std::byte> memory) noexcept { return device_ == nullptr || device_->page_lock(memory); }
   /// find_lit_pixels(). `changed`: the limits are not those of the last call.
   std::size_t find_lit(const ImageView& image, const DarkLimit& limit, bool changed,
                        std::span<std::uint32_t> lit) noexcept;

@@ -181,6 +181,8 @@ std::span<const FittedParticle> LightField::fitted() const noexcept { return sta
 const LightFieldCounts& LightField::counts() const noexcept { return stages_->counts; }
 std::uint16_t LightField::min_count() const noexcept { return stages_->min_count; }
 
+bool LightField::page_lock(std::span<std::byte> memory) noexcept { return stages_->search.page_lock(memory); }
+
 void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   if (frames.cameras == 1 && !frames.info().torn) return reconstruct(frames.frames[0].view(), out);
   out.clear();

@@ -40,6 +40,7 @@ class LightField final : public Reconstructor {
   ~LightField() override;
 
   void reconstruct(const FrameSet& frames, Particles& out) noexcept override;
+  bool page_lock(std::span<std::byte> memory) noexcept override;
   /// The same for one image.
   void reconstruct(const ImageView& image, Particles& out) noexcept;
 

@@ -68,6 +68,13 @@ LightFieldCuda::LightFieldCuda(const LightFieldDevicePlan& plan)
               "CUDA: cannot copy to the device: " + take_cuda_error() + "; take reconstruction.backend = \"cpu\"");
 }
 
+bool LightFieldCuda::page_lock(std::span<std::byte> memory) noexcept {
+  CudaPageLock lock(memory.data(), memory.size());
+  if (!lock.locked()) return false;
+  page_locks_.push_back(std::move(lock));
+  return true;
+}
+
 bool LightFieldCuda::set_limit(const DarkLimit& limit) noexcept {
   uniform_limit_ = limit.uniform();
   const std::size_t count = uniform_limit_ ? 1 : limit.size();

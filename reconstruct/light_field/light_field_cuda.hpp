@@ -5,6 +5,7 @@
 #include <array>
 
 #include "reconstruct/cuda_memory.hpp"
+#include "reconstruct/cuda_page_lock.hpp"
 #include "reconstruct/light_field/coarse_maxima_cuda.hpp"
 #include "reconstruct/light_field/light_field_device.hpp"
 #include "reconstruct/light_field/pixels_to_rays_cuda.hpp"
@@ -18,6 +19,7 @@ class LightFieldCuda final : public LightFieldDevice {
   /// Throws Error(unavailable) when the device has not enough memory.
   explicit LightFieldCuda(const LightFieldDevicePlan& plan);
 
+  bool page_lock(std::span<std::byte> memory) noexcept override;
   bool set_limit(const DarkLimit& limit) noexcept override;
   bool find_lit_pixels(const ImageView& image, std::span<std::uint32_t> lit, std::size_t& found) noexcept override;
   bool find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept override;
@@ -54,6 +56,7 @@ class LightFieldCuda final : public LightFieldDevice {
   const CudaRayCount ray_count_;
   const CudaCandidates candidates_;
   bool uniform_limit_ = true;
+  std::vector<CudaPageLock> page_locks_;
 };
 
 /// The same as a MakeLightFieldDevice; in a build without CUDA it throws Error(unavailable).

@@ -22,6 +22,8 @@ class LightFieldDevice {
  public:
   virtual ~LightFieldDevice() = default;
 
+  /// Reconstructor::page_lock().
+  virtual bool page_lock(std::span<std::byte> memory) noexcept = 0;
   /// The limits of the images to come, of as many pixels.
   virtual bool set_limit(const DarkLimit& limit) noexcept = 0;
   /// find_lit_pixels() with those limits; `found` becomes what it returns.

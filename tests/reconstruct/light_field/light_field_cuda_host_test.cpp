@@ -16,7 +16,12 @@ using testing::paint;
 using testing::PaintedImage;
 using testing::scene;
 using testing::small_camera;
-using testing::small_settings;
+
+LightFieldSettings small_settings() {
+  LightFieldSettings settings = testing::small_settings();
+  settings.max_rays = 12000;  // threads that have nothing to do take their time here, too
+  return settings;
+}
 
 std::unique_ptr<LightFieldDevice> make_cuda(const LightFieldDevicePlan& plan) {
   return std::make_unique<LightFieldCuda>(plan);
@@ -90,12 +95,26 @@ TEST(LightFieldCuda, leaves_out_and_counts_what_the_cpu_leaves_out) {
   EXPECT_GT(expect_same_over_frames(few_candidates, small_camera()).refused_candidates, 0U);
 }
 
+TEST(LightFieldCuda, reads_frames_out_of_page_locked_memory_and_gives_it_back) {
+  PaintedImage image = paint(scene(2));
+  const auto memory = std::as_writable_bytes(std::span(image.pixels()));
+  LightField cpu(small_settings(), small_camera(), {});
+  for (int time = 0; time < 2; ++time) {
+    LightField device(small_settings(), small_camera(), {}, make_cuda);
+    EXPECT_TRUE(device.page_lock(memory));
+    EXPECT_FALSE(device.page_lock(memory));  // it is already
+    expect_same(find(device, image.view()), find(cpu, image.view()));
+  }
+  EXPECT_TRUE(cpu.page_lock(memory));  // needs none
+}
+
 /// The real device behind a fault of one step.
 class FaultyDevice final : public LightFieldDevice {
  public:
   enum class Fault { fails_at_lit, fails_at_rays, fails_at_candidates, loses_a_candidate, moves_a_ray };
   FaultyDevice(const LightFieldDevicePlan& plan, Fault fault) : device_(plan), fault_(fault) {}
 
+  bool page_lock(std::span<std::byte> memory) noexcept override { return device_.page_lock(memory); }
   bool set_limit(const DarkLimit& limit) noexcept override { return device_.set_limit(limit); }
   bool find_lit_pixels(const ImageView& image, std::span<std::uint32_t> lit, std::size_t& found) noexcept override {
     return fault_ != Fault::fails_at_lit && device_.find_lit_pixels(image, lit, found);

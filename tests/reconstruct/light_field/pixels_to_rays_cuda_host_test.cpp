@@ -132,7 +132,7 @@ std::vector<std::uint32_t> every(std::uint32_t pixels, unsigned one_in) {
 
 TEST(CudaPixelsToRays, gives_the_rays_of_the_cpu_in_their_order) {
   auto camera = testing::small_camera(120, 90);
-  camera.mask = {0, 0, 1, 1, {lenslet_reason::kBrightness}};  // pixels without a ray
+  camera.arrays.ray = {0, 0, 1, 1, {lenslet_reason::kBrightness}};  // pixels without a ray
   BothSides sides(camera, 1);
   for (const auto seed : kSchedules) {
     cuda_host::set_schedule_seed(seed);
