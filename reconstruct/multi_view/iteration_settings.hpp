@@ -8,7 +8,7 @@ namespace rptv {
 
 /// Wieneke, Meas. Sci. Technol. 24 (2013) 024008; Jahn, Schanz & Schröder, Exp. Fluids 62 (2021) 179.
 struct IterationSettings {
-  std::int64_t rounds = 6;            ///< most searches of the residual images for particles that all cameras see
+  std::int64_t rounds = 20;           ///< most searches of the residual images for particles that all cameras see
   std::int64_t reduced_rounds = 4;    ///< then for particles that one camera less finds
   std::int64_t sweeps = 4;            ///< steps of all particles after each search
   std::int64_t final_sweeps = 8;      ///< and at the end

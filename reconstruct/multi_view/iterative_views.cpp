@@ -18,7 +18,16 @@ namespace rptv {
 namespace {
 
 constexpr std::uint32_t kTellingAge_frames = 1;  // with fewer frames before, a track has no velocity
-constexpr std::size_t kFewPerThousand = 1;       // of all particles: fewer new ones are not worth another round
+// Chance sets take light from those that are not found yet, but hardly that much; faint particles come in later rounds.
+constexpr double kEarlyShare = 0.5;
+
+/// How the rounds of one kind search, and when they end.
+struct Rounds {
+  std::int64_t most;
+  std::size_t min_views;
+  double tolerance_px, least_share;
+  double worthwhile;  ///< part of all particles that a round adds at least, or is the last
+};
 
 }  // namespace
 
@@ -68,10 +77,10 @@ struct IterativeViews::Stages {
 
   void load(const FrameSet& frames) noexcept;
   std::size_t search(std::size_t min_views, double tolerance_px) noexcept;
-  void rounds(std::int64_t most, std::size_t min_views, double tolerance_px) noexcept;
+  void go_round(const Rounds& rounds) noexcept;
   void start() noexcept;
   void take(const ViewMatch& match) noexcept;
-  void shake(std::int64_t sweeps) noexcept;
+  void shake(std::int64_t sweeps, double least_share) noexcept;
   void write(Particles& out) noexcept;
   void tell(Losses& losses) const noexcept {
     tell_view_losses(counts, correspondence.counts(), counts.refused_peaks, losses);
@@ -113,8 +122,7 @@ void IterativeViews::Stages::start() noexcept {
   expected.clear();
   if (cloud.all().empty()) return;
   counts.expected += cloud.all().size();
-  shake(settings.iterative.sweeps);
-  shake(settings.iterative.sweeps);
+  for (int i = 0; i < 2; ++i) shake(settings.iterative.sweeps, settings.iterative.least_share);
 }
 
 void IterativeViews::Stages::take(const ViewMatch& match) noexcept {
@@ -142,19 +150,20 @@ std::size_t IterativeViews::Stages::search(std::size_t min_views, double toleran
   return cloud.all().size() - before;
 }
 
-void IterativeViews::Stages::rounds(std::int64_t most, std::size_t min_views, double tolerance_px) noexcept {
-  for (std::int64_t round = 0; round < most; ++round) {
-    const std::size_t taken = search(min_views, tolerance_px);
-    if (taken == 0) return;
-    shake(settings.iterative.sweeps);
-    if (taken < kFewPerThousand * cloud.all().size() / 1000) return;
+void IterativeViews::Stages::go_round(const Rounds& rounds) noexcept {
+  for (std::int64_t round = 0; round < rounds.most; ++round) {
+    const auto before = static_cast<double>(cloud.all().size());
+    if (search(rounds.min_views, rounds.tolerance_px) == 0) return;
+    shake(settings.iterative.sweeps, rounds.least_share);
+    const auto after = static_cast<double>(cloud.all().size());
+    if (after - before < rounds.worthwhile * after) return;
   }
 }
 
-void IterativeViews::Stages::shake(std::int64_t sweeps) noexcept {
+void IterativeViews::Stages::shake(std::int64_t sweeps, double least_share) noexcept {
   cloud.subtract();
   for (std::int64_t i = 0; i < sweeps; ++i) cloud.sweep();
-  const std::size_t went = cloud.drop(settings.iterative.least_share, settings.iterative.apart_px);
+  const std::size_t went = cloud.drop(least_share, settings.iterative.apart_px);
   counts.dropped += went;
   cloud.subtract();
   cloud.fit_images();
@@ -200,10 +209,11 @@ void IterativeViews::reconstruct(const FrameSet& frames, Particles& out) noexcep
   s.load(frames);
   s.start();
   const IterationSettings& iterative = s.settings.iterative;
-  s.rounds(iterative.rounds, views, iterative.tolerance_px);
-  s.rounds(iterative.reduced_rounds, std::max(static_cast<std::size_t>(s.settings.min_views), views - 1),
-           iterative.reduced_tolerance_px);
-  s.shake(iterative.final_sweeps);
+  const std::size_t reduced = std::max(static_cast<std::size_t>(s.settings.min_views), views - 1);
+  const double early_share = std::max(iterative.least_share, kEarlyShare);
+  s.go_round({iterative.rounds, views, iterative.tolerance_px, early_share, 0.005});
+  s.go_round({iterative.reduced_rounds, reduced, iterative.reduced_tolerance_px, iterative.least_share, 0.001});
+  s.shake(iterative.final_sweeps, iterative.least_share);
   s.sigma_known = s.sigma_known || s.cloud.all().size() >= ShakenParticles::kTellingParticles;
   s.write(out);
   ++s.counts.frames;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// rptv_bench_lpt [--part=P] [--frames=N] [--method=iterative|detections|tracks] [PPP…]: recall, precision and errors
-// by density. `tracks` reconstructs where tracks are expected, links, and prints every frame set.
+// rptv_bench_lpt [--part=P] [--frames=N] [--method=iterative|detections|tracks] [--set=KEY=VALUE…] [PPP…]: recall,
+// precision and errors by density; keys are those of [multi_view]. `tracks` reconstructs where tracks are expected,
+// links, and prints every frame set.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -24,6 +25,7 @@ struct Options {
   std::uint64_t frames = 1;
   std::string method = "iterative";
   std::vector<double> per_pixel;
+  std::vector<std::string> assignments;  ///< of [multi_view]
 };
 
 std::unique_ptr<Reconstructor> make(const MultiViewSettings& settings, const LptScene& scene) {
@@ -57,6 +59,9 @@ void run(const Options& options, double per_pixel) {
   const bool with_tracks = options.method == "tracks";
   settings.threads = 1;
   settings.method = with_tracks ? "iterative" : options.method;
+  FieldList fields;
+  settings.fields(fields);
+  for (const std::string& assignment : options.assignments) set_field(fields, assignment);
   const auto stage = make(settings, scene);
   Particles particles(static_cast<std::size_t>(settings.max_particles));
   Linker linker(scene.linker_settings());
@@ -98,6 +103,8 @@ int main(int argc, char** argv) {
       options.frames = static_cast<std::uint64_t>(std::max(1, std::atoi(frames.c_str())));
     else if (const auto method = value("--method="); !method.empty())
       options.method = method;
+    else if (const auto assignment = value("--set="); !assignment.empty())
+      options.assignments.push_back(assignment);
     else
       options.per_pixel.push_back(std::atof(argument.c_str()));
   }
