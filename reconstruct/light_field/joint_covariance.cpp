@@ -12,7 +12,7 @@ namespace rptv {
 
 namespace {
 
-constexpr float kFaint = 0.03F;        // a path of this strength moves a variance by its square
+constexpr float kFaintPath = 0.03F;    // a path of this strength moves a variance by its square
 constexpr float kLeastPivot = 1e-7F;   // of 1: two that cannot be told apart
 constexpr double kMostStrength = 0.9;  // of what a group leaves out
 constexpr double kOwnRidge = 1e-8;
@@ -85,7 +85,7 @@ void JointCovariance::take_in(const Near& near, Workspace& work) const noexcept 
   for (std::uint32_t l = first_link_[near.particle]; l < first_link_[near.particle + 1]; ++l) {
     const Link& link = links_[l];
     const float strength = near.strength * link.strength;
-    if (work.place_of[link.other] >= 0 || strength < kFaint) continue;
+    if (work.place_of[link.other] >= 0 || strength < kFaintPath) continue;
     if (!(work.strength_of[link.other] > 0)) work.border.push_back({link.other, 0});
     work.strength_of[link.other] = std::max(work.strength_of[link.other], strength);
   }

@@ -11,12 +11,12 @@ namespace rptv {
 
 namespace {
 
-constexpr double kLeastShare = 0.05;
+constexpr double kDarkestShare = 0.05;
 
 // Where no noise was measured, the settings' keeps thresholds from falling into it.
-double least_share(const LightFieldSettings& settings, const LightFieldCalibration& calibration) {
-  if (!calibration.arrays.dark_noise.empty() || !(settings.threshold > 0)) return kLeastShare;
-  return std::max(kLeastShare, settings.threshold_sigmas * settings.noise_grey / settings.threshold);
+double least_share_of(const LightFieldSettings& settings, const LightFieldCalibration& calibration) {
+  if (!calibration.arrays.dark_noise.empty() || !(settings.threshold > 0)) return kDarkestShare;
+  return std::max(kDarkestShare, settings.threshold_sigmas * settings.noise_grey / settings.threshold);
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ double least_share(const LightFieldSettings& settings, const LightFieldCalibrati
 LightFieldDark::LightFieldDark(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
                                const LensletLattice& lattice, const ImageShape& shape, const ImageView& background)
     : fixed_{{}, DarkLimit(ImageShape{}, 0, 0)} {
-  CalibratedPixels known = calibrated_pixels(calibration, lattice, least_share(settings, calibration));
+  CalibratedPixels known = calibrated_pixels(calibration, lattice, least_share_of(settings, calibration));
   fixed_ = make_dark({settings.background, settings.threshold, settings.background_image, settings.threshold_sigmas},
                      shape, background, known.view());
   if (!settings.running_background) return;
