@@ -40,44 +40,6 @@ std::vector<KnownPoint> read_all(CsvReader csv, const Rig& rig) {
 
 std::vector<CsvColumn> columns() { return {{"camera"}, {"x"}, {"y"}, {"z"}, {"column"}, {"row"}}; }
 
-Matrix3 turned(const Matrix3& rotation, double x, double y, double z) {
-  const Eigen::Vector3d turn(x, y, z);
-  const double angle = turn.norm();
-  if (angle == 0) return rotation;
-  const Eigen::Matrix3d by = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-  const Matrix3 m{{{by(0, 0), by(0, 1), by(0, 2)}, {by(1, 0), by(1, 1), by(1, 2)}, {by(2, 0), by(2, 1), by(2, 2)}}};
-  return m * rotation;
-}
-
-/// One camera's free numbers, as changes of a model, scaled so that 1 moves projections by about a pixel.
-class Freedom {
- public:
-  Freedom(KnownPointsFreedom freedom, const CameraModel& model, double distance_mm) : model_(model) {
-    const auto& lens = model.intrinsics();
-    const double px = 1 / lens.fx_px, radius = 0.5 * std::hypot(lens.width_px, lens.height_px) * px;
-    scale_ = {px, px, px / radius, px * distance_mm, px * distance_mm, px / radius * distance_mm};
-    if (freedom != KnownPointsFreedom::pose) scale_.push_back(px / radius);
-    if (freedom == KnownPointsFreedom::distortion)
-      scale_.insert(scale_.end(), {px / std::pow(radius, 3), px / (radius * radius), px / (radius * radius)});
-  }
-
-  Eigen::Index size() const { return static_cast<Eigen::Index>(scale_.size()); }
-
-  CameraModel changed(const Eigen::VectorXd& by) const {
-    const auto at = [&](std::size_t k) { return scale_[k] * by[static_cast<Eigen::Index>(k)]; };
-    CameraIntrinsics lens = model_.intrinsics();
-    CameraPose pose{turned(model_.pose().rotation, at(0), at(1), at(2)),
-                    model_.pose().translation_mm + Point3{at(3), at(4), at(5)}};
-    if (scale_.size() > 6) lens.fx_px *= 1 + at(6), lens.fy_px *= 1 + at(6);
-    if (scale_.size() > 7) lens.k1 += at(7), lens.p1 += at(8), lens.p2 += at(9);
-    return CameraModel(lens, pose, model_.stack());
-  }
-
- private:
-  const CameraModel& model_;
-  std::vector<double> scale_;
-};
-
 /// Projection less pixel of every point, column, row, column, …; none when a point cannot be seen.
 std::optional<Eigen::VectorXd> misses(const CameraModel& model, const std::vector<KnownPoint>& points) {
   Eigen::VectorXd off(2 * static_cast<Eigen::Index>(points.size()));
@@ -107,24 +69,28 @@ Eigen::ArrayXd weights(const Eigen::VectorXd& off, double sigma) {
   return each.transpose().replicate(2, 1).reshaped();
 }
 
-Eigen::MatrixXd slopes(const Freedom& freedom, const std::vector<KnownPoint>& points, Eigen::Index rows) {
+std::span<const double> numbers(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+
+Eigen::MatrixXd slopes(const CameraChange& change, const std::vector<KnownPoint>& points, Eigen::Index rows) {
   constexpr double kStep = 1e-3;
-  Eigen::MatrixXd by(rows, freedom.size());
-  for (Eigen::Index k = 0; k < freedom.size(); ++k) {
-    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(freedom.size(), k);
-    const auto more = misses(freedom.changed(step), points), less = misses(freedom.changed(-step), points);
+  const auto size = static_cast<Eigen::Index>(change.size());
+  Eigen::MatrixXd by(rows, size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(size, k), back = -step;
+    const auto more = misses(change.changed(numbers(step)), points);
+    const auto less = misses(change.changed(numbers(back)), points);
     by.col(k) = more && less ? Eigen::VectorXd((*more - *less) / (2 * kStep)) : Eigen::VectorXd::Zero(rows);
   }
   return by;
 }
 
 /// The camera with the least weighted squares, from `model` on. None when the points do not determine it.
-std::optional<CameraModel> refined(CameraModel model, const std::vector<KnownPoint>& points, KnownPointsFreedom allowed,
+std::optional<CameraModel> refined(CameraModel model, const std::vector<KnownPoint>& points, CameraFreedom allowed,
                                    double distance_mm) {
   Eigen::VectorXd off = *misses(model, points);
   double damping = 1e-3;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Freedom freedom(allowed, model, distance_mm);
+    const CameraChange freedom(allowed, model, distance_mm);
     const double sigma = robust_sigma(off);
     const Eigen::ArrayXd weight = weights(off, sigma);
     const Eigen::MatrixXd by = weight.matrix().asDiagonal() * slopes(freedom, points, off.size());
@@ -137,7 +103,7 @@ std::optional<CameraModel> refined(CameraModel model, const std::vector<KnownPoi
     const Eigen::VectorXd change =
         length.cwiseInverse().asDiagonal() *
         (svd.matrixV() * (s.array() / (s.array().square() + damping) * pull.array()).matrix());
-    const CameraModel next = freedom.changed(change);
+    const CameraModel next = freedom.changed(numbers(change));
     const auto left = misses(next, points);
     const auto cost = [&](const Eigen::VectorXd& residual) {  // Huber's, at this step's scale
       const Eigen::ArrayXd r = lengths(residual) / (kHuber * sigma);
@@ -170,7 +136,7 @@ std::vector<KnownPoint> parse_known_points(std::string_view text, const std::str
   return read_all(CsvReader::from_text(text, origin, columns()), rig);
 }
 
-KnownPointsFit fit_known_points(const Rig& start, const std::vector<KnownPoint>& points, KnownPointsFreedom freedom,
+KnownPointsFit fit_known_points(const Rig& start, const std::vector<KnownPoint>& points, CameraFreedom freedom,
                                 const std::string& origin) {
   KnownPointsFit fit{start, std::vector<KnownPointsCamera>(start.cameras.size())};
   for (std::size_t k = 0; k < start.cameras.size(); ++k) {
@@ -184,7 +150,7 @@ KnownPointsFit fit_known_points(const Rig& start, const std::vector<KnownPoint>&
       throw Error(ExitCode::bad_data, fmt::format("{}: camera {} {}", origin, in_quotes(start.cameras[k].name), text));
     };
     const double distance_mm = norm(mine.front().position_mm - model.centre_mm());
-    const auto needed = static_cast<std::size_t>(Freedom(freedom, model, distance_mm).size());
+    const auto needed = CameraChange(freedom, model, distance_mm).size();
     const auto before = misses(model, mine);
     if (!before) refuse("cannot see all its points from where it starts; give a start that looks at them");
     for (int pass = 0; pass < 2; ++pass) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calibration/cameras/camera_change.hpp"
 #include "calibration/cameras/rig.hpp"
 
 namespace rptv {
@@ -25,13 +26,6 @@ std::vector<KnownPoint> read_known_points(const std::filesystem::path& file, con
 /// The same from text; `origin` stands for the file's name in messages.
 std::vector<KnownPoint> parse_known_points(std::string_view text, const std::string& origin, const Rig& rig);
 
-/// What is fitted per camera; each includes those before it. Interfaces are held.
-enum class KnownPointsFreedom {
-  pose,        ///< position and direction: 6 numbers
-  focal,       ///< and one factor of fx and fy
-  distortion,  ///< and k1, p1, p2
-};
-
 /// How one camera came out. Residuals are the distances of projections from where the points are seen, px.
 struct KnownPointsCamera {
   std::size_t points = 0, left_out = 0;  ///< outliers beyond 4 robust standard deviations count in neither rms
@@ -47,7 +41,7 @@ struct KnownPointsFit {
 /// interfaces. Throws Error(bad_data) behind `origin`, with the camera's name, when it sees fewer points than twice the
 /// numbers need, cannot see them from where it starts, or when points in a plane or on a line leave the numbers
 /// undetermined. Set-up only.
-KnownPointsFit fit_known_points(const Rig& start, const std::vector<KnownPoint>& points, KnownPointsFreedom freedom,
+KnownPointsFit fit_known_points(const Rig& start, const std::vector<KnownPoint>& points, CameraFreedom freedom,
                                 const std::string& origin);
 
 }  // namespace rptv

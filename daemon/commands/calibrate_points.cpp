@@ -16,9 +16,9 @@ struct Options {
   bool json = false;
 };
 
-KnownPointsFreedom freedom_of(const std::string& fit) {
-  if (fit == "pose") return KnownPointsFreedom::pose;
-  return fit == "focal" ? KnownPointsFreedom::focal : KnownPointsFreedom::distortion;
+CameraFreedom freedom_of(const std::string& fit) {
+  if (fit == "pose") return CameraFreedom::pose;
+  return fit == "focal" ? CameraFreedom::focal : CameraFreedom::distortion;
 }
 
 std::string line_of(const std::string& name, const KnownPointsCamera& camera) {

@@ -151,7 +151,7 @@ TEST_F(Cavity, the_rays_of_a_dot_cross_with_the_media_in_liboptvs_order) {
 
 TEST_F(Cavity, cameras_fitted_to_the_dots_cross_closer) {
   const Rig published = import_openptv(set_).rig;
-  const auto fit = fit_known_points(published, dots_of(published, set_), KnownPointsFreedom::distortion, "dots");
+  const auto fit = fit_known_points(published, dots_of(published, set_), CameraFreedom::distortion, "dots");
   for (std::size_t k = 0; k < fit.cameras.size(); ++k) {
     const auto& camera = fit.cameras[k];
     fmt::print("  {}: {} dots, {} left out, {:.3f} px rms before, {:.3f} after\n", published.cameras[k].name,
@@ -168,9 +168,9 @@ TEST_F(Cavity, with_glass_and_liquid_swapped_they_miss_each_other_until_the_came
   const Rig swapped = with_media_swapped(published);  // as they are: glass above water
   EXPECT_GT(crossing_of(swapped, set_).median_mm, 1);
   const auto dots = dots_of(published, set_);
-  const Rig placed = fit_known_points(swapped, dots, KnownPointsFreedom::pose, "dots").rig;
+  const Rig placed = fit_known_points(swapped, dots, CameraFreedom::pose, "dots").rig;
   const Crossing pose = crossing_of(placed, set_);
-  const Crossing lens = crossing_of(fit_known_points(placed, dots, KnownPointsFreedom::distortion, "dots").rig, set_);
+  const Crossing lens = crossing_of(fit_known_points(placed, dots, CameraFreedom::distortion, "dots").rig, set_);
   fmt::print("  poses fitted: {} dots, {:.4f} mm; lenses too: {} dots, {:.4f} mm\n", pose.dots, pose.median_mm,
              lens.dots, lens.median_mm);
   EXPECT_LT(pose.median_mm, 0.04);

@@ -42,7 +42,7 @@ std::vector<KnownPoint> seen_by(const CameraModel& model, std::size_t camera, co
   return points;
 }
 
-std::string refusal(const Rig& start, const std::vector<KnownPoint>& points, KnownPointsFreedom freedom) {
+std::string refusal(const Rig& start, const std::vector<KnownPoint>& points, CameraFreedom freedom) {
   try {
     fit_known_points(start, points, freedom, "dots.csv");
   } catch (const Error& error) {
@@ -58,7 +58,7 @@ TEST(KnownPoints, find_every_camera_through_the_glass_again) {
   auto points = seen_by(truth.cameras[0].model, 0, {-10, 10}, 0);
   const auto more = seen_by(truth.cameras[1].model, 1, {-10, 10}, 0);
   points.insert(points.end(), more.begin(), more.end());
-  const auto fit = fit_known_points(start, points, KnownPointsFreedom::distortion, "dots.csv");
+  const auto fit = fit_known_points(start, points, CameraFreedom::distortion, "dots.csv");
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_GT(fit.cameras[k].before_rms_px, 20);
     EXPECT_LT(fit.cameras[k].rms_px, 1e-4);
@@ -72,7 +72,7 @@ TEST(KnownPoints, noise_stays_noise_and_outliers_are_left_out_and_counted) {
   auto points = seen_by(true_camera(-150), 0, {-15, 0, 15}, 0.1);
   const std::size_t honest = points.size();
   for (std::size_t i = 3; i < honest; i += 31) points[i].pixel[0] += 25;
-  const auto fit = fit_known_points(start, points, KnownPointsFreedom::distortion, "dots.csv");
+  const auto fit = fit_known_points(start, points, CameraFreedom::distortion, "dots.csv");
   EXPECT_NEAR(fit.cameras[0].rms_px, 0.1 * std::sqrt(2), 0.02);
   EXPECT_EQ(fit.cameras[0].points + fit.cameras[0].left_out, honest);
   EXPECT_NEAR(static_cast<double>(fit.cameras[0].left_out), static_cast<double>(honest / 31 + 1), 3);
@@ -83,8 +83,7 @@ TEST(KnownPoints, noise_stays_noise_and_outliers_are_left_out_and_counted) {
 
 TEST(KnownPoints, a_camera_without_points_stays) {
   const Rig start{{{"left", true_camera(-150)}, {"right", true_camera(150)}}};
-  const auto fit =
-      fit_known_points(start, seen_by(true_camera(150), 1, {0, 10}, 0.1), KnownPointsFreedom::pose, "dots.csv");
+  const auto fit = fit_known_points(start, seen_by(true_camera(150), 1, {0, 10}, 0.1), CameraFreedom::pose, "dots.csv");
   EXPECT_EQ(fit.rig.cameras[0].model.pose(), start.cameras[0].model.pose());
   EXPECT_EQ(fit.cameras[0].points, 0U);
 }
@@ -97,11 +96,11 @@ TEST(KnownPoints, say_what_they_cannot_tell) {
   const CameraIntrinsics plain{1280, 1024, 5800, 5800, 639.5, 511.5};
   const CameraModel facing(plain, looking_at({0, 0, 620}, {0, 0, 0}, 0));  // a plane tells focal length times nearness
   const Rig start{{{"left", facing}}};
-  says(refusal(start, seen_by(facing, 0, {0}, 0), KnownPointsFreedom::focal), "do not determine it");
+  says(refusal(start, seen_by(facing, 0, {0}, 0), CameraFreedom::focal), "do not determine it");
   auto few = seen_by(facing, 0, {0}, 0);
   few.resize(6);
-  says(refusal(start, few, KnownPointsFreedom::focal), "has 6 points left; give at least 7");
-  says(refusal(start, {{0, {0, 0, 700}, {0, 0}}}, KnownPointsFreedom::pose), "cannot see all its points");
+  says(refusal(start, few, CameraFreedom::focal), "has 6 points left; give at least 7");
+  says(refusal(start, {{0, {0, 0, 700}, {0, 0}}}, CameraFreedom::pose), "cannot see all its points");
 }
 
 TEST(KnownPoints, are_read_by_the_cameras_names) {
