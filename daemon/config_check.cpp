@@ -18,6 +18,7 @@
 #include "core/losses.hpp"
 #include "daemon/backend.hpp"
 #include "daemon/config.hpp"
+#include "daemon/first_instant.hpp"
 #include "daemon/publisher.hpp"
 #include "daemon/session.hpp"
 
@@ -37,7 +38,8 @@ class Checks {
     check("calibration", config_.has_value(), [&] { return calibration(); });
     check("source", config_.has_value(), [&] { return source(); });
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
-      make_reconstructor(*config_, source_->cameras());
+      const auto stage = make_reconstructor(*config_, source_->cameras());
+      for (std::string& line : doubts_of_first_instant(*config_, *stage)) warn("reconstruction", std::move(line));
       return fmt::format("room for {} particles a frame; {}", config_->max_particles(), choose_backend(*config_).text);
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });
