@@ -17,6 +17,7 @@
 #include "core/json.hpp"
 #include "core/losses.hpp"
 #include "daemon/config.hpp"
+#include "daemon/first_instant.hpp"
 #include "daemon/publisher.hpp"
 #include "daemon/session.hpp"
 
@@ -37,7 +38,8 @@ class Checks {
     check("source", config_.has_value(), [&] { return source(); });
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
       std::string where;
-      make_reconstructor(*config_, source_->cameras(), &where);
+      const auto stage = make_reconstructor(*config_, source_->cameras(), &where);
+      for (std::string& line : doubts_of_first_instant(*config_, *stage)) warn("reconstruction", std::move(line));
       return fmt::format("room for {} particles a frame; {}", config_->max_particles(), where);
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });

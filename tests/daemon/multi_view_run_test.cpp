@@ -16,6 +16,7 @@ namespace rptv {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Two frames of four cameras in a folder, the rig, and the configuration that replays them.
 class PaintedRecording {
@@ -39,6 +40,17 @@ class PaintedRecording {
                      place_.ipc() + "\"\n");
   }
   std::string file(const std::string& name) const { return place_.file(name); }
+  testing::Said check() const { return testing::run_rapidptv({"check", "--config", file("run.toml")}); }
+  /// Every pixel of a camera's first image.
+  void blank(const std::string& camera, int grey) {
+    frames_.fill(0, grey);
+    write_png(place_.file("frames/" + camera + "_0.png"), frames_.set().frames[0].view());
+  }
+  void swap_in_rig(std::size_t one, std::size_t other) {
+    Rig rig = read_rig(file("cameras.toml"));
+    std::swap(rig.cameras[one].name, rig.cameras[other].name);
+    write_rig(rig, place_.file("cameras.toml"));
+  }
 
  private:
   Place place_;
@@ -55,8 +67,9 @@ std::vector<double> depths(const std::string& file) {
 
 TEST(MultiViewRun, gives_the_points_that_reconstruct_gives) {
   const PaintedRecording recording;
-  const auto check = testing::run_rapidptv({"check", "--config", recording.file("run.toml")});
+  const auto check = recording.check();
   EXPECT_EQ(check.code, 0) << check.out << check.err;
+  EXPECT_THAT(check.out, Not(HasSubstr("warning")));
   const auto run =
       testing::run_rapidptv({"run", "--config", recording.file("run.toml"), "--points", recording.file("run.csv")});
   EXPECT_EQ(run.code, 0) << run.err;
@@ -92,6 +105,28 @@ TEST(MultiViewRun, by_iteration_gives_them_too_with_and_without_tracks) {
   EXPECT_NEAR(static_cast<double>(depths(recording.file("table.csv")).size()), 80, 4);
   EXPECT_EQ(depths(recording.file("run.csv")), depths(recording.file("table.csv")));
   EXPECT_NEAR(static_cast<double>(depths(recording.file("tracked.csv")).size()), 80, 4);
+}
+
+TEST(MultiViewRun, is_warned_by_check_of_cameras_that_are_swapped) {
+  PaintedRecording recording;
+  recording.swap_in_rig(1, 2);
+  const auto said = recording.check();
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("warning  reconstruction  3 cameras see 4"));
+  EXPECT_THAT(said.out, HasSubstr("are cameras swapped, or have they moved since the calibration?"));
+}
+
+TEST(MultiViewRun, is_warned_by_check_of_a_camera_whose_images_are_saturated_or_empty) {
+  PaintedRecording recording;
+  recording.blank("cam2", 255);
+  recording.blank("cam3", 0);
+  const auto said = recording.check();
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("camera 'cam2', " + recording.file("frames/cam2_0.png") +
+                                  ": 100 % of the image is saturated; shorten"));
+  EXPECT_THAT(said.out,
+              HasSubstr("camera 'cam3', " + recording.file("frames/cam3_0.png") + ": every pixel is 0; look"));
+  EXPECT_THAT(said.out, Not(HasSubstr("swapped")));
 }
 
 const LossCount* loss_of(const std::vector<LossCount>& losses, LossCause cause) {
