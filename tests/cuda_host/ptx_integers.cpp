@@ -18,35 +18,15 @@ using Unsigned = std::make_unsigned_t<T>;
 template <class T>
 constexpr unsigned kBits = sizeof(T) * 8;
 
-/// Twice as wide, of the same sign.
-template <class T>
-struct Wide;
-template <>
-struct Wide<std::uint16_t> {
-  using Type = std::uint32_t;
-};
-template <>
-struct Wide<std::int16_t> {
-  using Type = std::int32_t;
-};
-template <>
-struct Wide<std::uint32_t> {
-  using Type = std::uint64_t;
-};
-template <>
-struct Wide<std::int32_t> {
-  using Type = std::int64_t;
-};
 __extension__ typedef unsigned __int128 Unsigned128;
 __extension__ typedef __int128 Signed128;
-template <>
-struct Wide<std::uint64_t> {
-  using Type = Unsigned128;
-};
-template <>
-struct Wide<std::int64_t> {
-  using Type = Signed128;
-};
+
+template <class T, class Of16, class Of32, class Of64>
+using BySize = std::conditional_t<sizeof(T) == 2, Of16, std::conditional_t<sizeof(T) == 4, Of32, Of64>>;
+/// Twice as wide, of the same sign.
+template <class T>
+using Wide = std::conditional_t<std::is_signed_v<T>, BySize<T, std::int32_t, std::int64_t, Signed128>,
+                                BySize<T, std::uint32_t, std::uint64_t, Unsigned128>>;
 
 template <class T>
 Bits result(T value) {
@@ -54,8 +34,8 @@ Bits result(T value) {
 }
 
 template <class T>
-typename Wide<T>::Type product(Bits a, Bits b) {
-  using W = typename Wide<T>::Type;
+Wide<T> product(Bits a, Bits b) {
+  using W = Wide<T>;
   return static_cast<W>(static_cast<W>(static_cast<T>(a)) * static_cast<W>(static_cast<T>(b)));
 }
 
@@ -101,7 +81,7 @@ PtxCompute function(const std::string& op) {
   if (op == "mad.hi")
     return [](Bits a, Bits b, Bits c) -> Bits { return static_cast<U>((product<T>(a, b) >> kBits<T>)+c); };
   if constexpr (sizeof(T) < 8) {
-    using W = std::make_unsigned_t<typename Wide<T>::Type>;
+    using W = std::make_unsigned_t<Wide<T>>;
     if (op == "mul.wide") return [](Bits a, Bits b, Bits) -> Bits { return static_cast<W>(product<T>(a, b)); };
     if (op == "mad.wide")
       return [](Bits a, Bits b, Bits c) -> Bits { return static_cast<W>(static_cast<W>(product<T>(a, b)) + c); };

@@ -53,7 +53,9 @@ class Ring {
   void fill(int slot, int value) {
     for (unsigned i = 0; i < kCount; ++i) slots_[slot][i] = value;
   }
-  void give(int slot, bool wait_for_upload) {
+  /// Queues upload, kernel and download of a slot that holds `value` everywhere.
+  void give(int slot, int value, bool wait_for_upload = true) {
+    fill(slot, value);
     cudaMemcpyAsync(on_device_[slot], slots_[slot], kBytes, cudaMemcpyHostToDevice, upload_);
     cudaEventRecord(uploaded_[slot], upload_);
     if (wait_for_upload) cudaStreamWaitEvent(compute_, uploaded_[slot], 0);
@@ -83,42 +85,34 @@ TEST(Streams, ring_returns_what_was_given) {
       ASSERT_EQ(ring.wait_until_done(slot), cudaSuccess);
       EXPECT_EQ(ring.result(slot), all(frame - Ring::kSlots + 1));
     }
-    ring.fill(slot, frame);
-    ring.give(slot, true);
+    ring.give(slot, frame);
   }
 }
 
-TEST(Streams, slot_may_be_refilled_when_its_upload_has_passed) {
+/// What comes of a slot that held 1 and is refilled with 50.
+std::vector<int> result_of_refilled_slot(bool after_upload) {
   Ring ring;
-  ring.fill(0, 1);
-  ring.give(0, true);
-  ring.wait_until_uploaded(0);
+  ring.give(0, 1);
+  if (after_upload) ring.wait_until_uploaded(0);
   ring.fill(0, 50);
   ring.wait_until_done(0);
-  EXPECT_EQ(ring.result(0), all(2));
+  return ring.result(0);
 }
 
-TEST(Streams, slot_that_is_refilled_early_shows) {
-  Ring ring;
-  ring.fill(0, 1);
-  ring.give(0, true);
-  ring.fill(0, 50);
-  ring.wait_until_done(0);
-  EXPECT_EQ(ring.result(0), all(51));
-}
+TEST(Streams, slot_may_be_refilled_when_its_upload_has_passed) { EXPECT_EQ(result_of_refilled_slot(true), all(2)); }
+
+TEST(Streams, slot_that_is_refilled_early_shows) { EXPECT_EQ(result_of_refilled_slot(false), all(51)); }
 
 TEST(Streams, missing_wait_between_streams_shows) {
   Ring ring;
-  ring.fill(0, 1);
-  ring.give(0, false);
+  ring.give(0, 1, false);
   ring.wait_until_done(0);
   EXPECT_NE(ring.result(0), all(2));
 }
 
 TEST(Streams, result_that_is_read_early_shows) {
   Ring ring;
-  ring.fill(0, 1);
-  ring.give(0, true);
+  ring.give(0, 1);
   EXPECT_NE(ring.result(0), all(2));
   ring.wait_until_done(0);
   EXPECT_EQ(ring.result(0), all(2));
@@ -126,8 +120,7 @@ TEST(Streams, result_that_is_read_early_shows) {
 
 TEST(Streams, polling_sees_both_answers) {
   Ring ring;
-  ring.fill(0, 1);
-  ring.give(0, true);
+  ring.give(0, 1);
   EXPECT_EQ(ring.poll(0), cudaErrorNotReady);
   int polls = 1;
   while (ring.poll(0) == cudaErrorNotReady && polls < 100) ++polls;
@@ -226,8 +219,7 @@ TEST(Streams, threads_of_the_host_share_the_device) {
     threads.emplace_back([&wrong, t] {
       Ring ring;
       for (int frame = 0; frame < 10; ++frame) {
-        ring.fill(0, frame);
-        ring.give(0, true);
+        ring.give(0, frame);
         ring.wait_until_done(0);
         if (ring.result(0) != all(frame + 1)) ++wrong[t];
       }
