@@ -44,17 +44,24 @@ RPTV_LANES Lanes from_bits(Bits bits) noexcept {
     return reinterpret_cast<Lanes>(bits);
   }
 }
-template <class To, class From>
-RPTV_LANES To converted(From from) noexcept {
-  if constexpr (sizeof(To) == sizeof(float))
-    return static_cast<To>(from);
+template <class Lanes, class Bits>
+RPTV_LANES Lanes float_of(Bits whole) noexcept {
+  if constexpr (sizeof(Lanes) == sizeof(float))
+    return static_cast<float>(whole);
   else
-    return __builtin_convertvector(from, To);
+    return __builtin_convertvector(whole, Lanes);
+}
+template <class Bits, class Lanes>
+RPTV_LANES Bits whole_of(Lanes x) noexcept {
+  if constexpr (sizeof(Lanes) == sizeof(float))
+    return x == x ? static_cast<std::int32_t>(x) : 0;
+  else
+    return __builtin_convertvector(x, Bits);
 }
 template <class Bits>
 RPTV_LANES Bits shifted_by_23(Bits bits) noexcept {
   if constexpr (sizeof(Bits) == sizeof(std::int32_t))
-    return bits * (1 << 23);  // not below 0 in C++17
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(bits) << 23);
   else
     return bits << 23;
 }

@@ -40,7 +40,7 @@ RPTV_LANES Lanes log_of(Lanes x) noexcept {
   const Lanes m = from_bits<Lanes>(bits - shifted_by_23(exponent));
   const Lanes s = (m - 1.0F) / (m + 1.0F), s2 = s * s;
   const Lanes series = ((s2 * (1 / 7.0F) + 1 / 5.0F) * s2 + 1 / 3.0F) * s2;
-  return converted<Lanes>(exponent) * kLn2 + (s + s * series) * 2.0F;
+  return float_of<Lanes>(exponent) * kLn2 + (s + s * series) * 2.0F;
 }
 
 /// Exponential, within 3e-7 of itself, of numbers clamped to ±80.
@@ -55,7 +55,7 @@ RPTV_LANES Lanes exp_of(Lanes x) noexcept {
   Lanes power = (r * (1 / 720.0F) + 1 / 120.0F) * r + 1 / 24.0F;
   power = ((power * r + 1 / 6.0F) * r + 1 / 2.0F) * r + 1.0F;
   power = power * r + 1.0F;
-  return from_bits<Lanes>(bits_of(power) + shifted_by_23(converted<Bits>(n)));
+  return from_bits<Lanes>(bits_of(power) + shifted_by_23(whole_of<Bits>(n)));
 }
 
 }  // namespace rptv
