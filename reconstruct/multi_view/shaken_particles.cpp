@@ -85,7 +85,7 @@ void ShakenParticles::step(ShakenParticle& particle) const noexcept {
     ++particle.views;
     const double light = particle.grey * gain_[v];
     weakest = std::min(weakest, particle.grey + sums.mr / (sums.mm * gain_[v]));
-    if (sums.uu > 0 && sums.vv > 0)
+    if (light > 0 && sums.uu > 0 && sums.vv > 0)
       square_px2 += std::pow(sums.ur / (light * sums.uu), 2) + std::pow(sums.vr / (light * sums.vv), 2);
   }
   step.solve(1 / px_per_mm_);

@@ -124,6 +124,16 @@ TEST(ShakenParticles, are_the_same_with_any_number_of_threads) {
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(one.all()[i].at_mm, four.all()[i].at_mm);
 }
 
+TEST(ShakenParticles, without_light_stay_where_they_are) {
+  ShakenParticles particles = testing::painted_particles({{0, 0, 0}}, kGrey, 20);
+  const Point3 dark{1.5, 1, 0.5};
+  particles.push(dark, 0);
+  particles.subtract();
+  particles.sweep();
+  EXPECT_EQ(particles.all().front().at_mm, dark);
+  EXPECT_EQ(particles.all().front().miss_px, 0);
+}
+
 TEST(ShakenParticles, refuse_more_than_they_have_room_for) {
   ShakenParticles particles = testing::painted_particles({{0, 0, 0}}, kGrey, 20);
   EXPECT_TRUE(particles.push({0, 0, 0}, kGrey));
