@@ -74,6 +74,8 @@ Intake::~Intake() {
   if (bundling_.joinable()) bundling_.join();
 }
 
+std::span<std::byte> Intake::frame_memory(std::uint32_t camera) noexcept { return lanes_[camera]->pool.memory(); }
+
 FrameLease Intake::claim(std::uint32_t camera) noexcept {
   Lane& lane = *lanes_[camera];
   while (!closed_.load(std::memory_order_seq_cst)) {

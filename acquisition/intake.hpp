@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -68,6 +69,8 @@ class Intake final : public FrameSink {
   /// How far the camera's times lie from the first camera's; no sets with one camera.
   ClockSkew skew(std::uint32_t camera) const noexcept { return bundler_ ? bundler_->skew(camera) : ClockSkew{}; }
   std::size_t cameras() const noexcept { return lanes_.size(); }
+  /// Where all frames of a camera lie; as long as this lives.
+  std::span<std::byte> frame_memory(std::uint32_t camera) noexcept;
   /// Slots of the camera that nobody holds, at some moment during the call.
   std::size_t free_slots(std::uint32_t camera) const noexcept;
 

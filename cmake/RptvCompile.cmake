@@ -19,14 +19,14 @@ endif()
 add_library(rptv_flags INTERFACE)
 target_include_directories(rptv_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # -ffp-contract=off: the same arithmetic on every backend and optimisation level; fused steps are written as fma().
-target_compile_options(rptv_flags INTERFACE -Wall -Wextra -Wconversion -Werror -ffp-contract=off)
+target_compile_options(rptv_flags INTERFACE "$<$<COMPILE_LANGUAGE:C,CXX>:-Wall;-Wextra;-Wconversion;-Werror;-ffp-contract=off>")
 target_link_libraries(rptv_flags INTERFACE Threads::Threads)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 warns of overlapping copies inside std::string that cannot be (its bug 105651), at -O3.
-  target_compile_options(rptv_flags INTERFACE -Wno-restrict)
+  target_compile_options(rptv_flags INTERFACE $<$<COMPILE_LANGUAGE:C,CXX>:-Wno-restrict>)
 endif()
 if(NOT RPTV_SANITIZE)
-  target_compile_options(rptv_flags INTERFACE -Wshadow)  # elsewhere sources are joined, and one's variables hide another's constants
+  target_compile_options(rptv_flags INTERFACE $<$<COMPILE_LANGUAGE:C,CXX>:-Wshadow>)  # elsewhere sources are joined, and one's variables hide another's constants
 endif()
 if(RPTV_SANITIZE)
   target_compile_options(rptv_flags INTERFACE -fsanitize=${RPTV_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "core/lease.hpp"
 #include "core/slot_book.hpp"
@@ -34,6 +35,8 @@ class FramePool {
   std::size_t slots() const noexcept { return book_.slots(); }
   std::size_t free_slots() const noexcept { return book_.free_slots(); }
   std::size_t bytes_per_slot() const noexcept { return bytes_per_slot_; }
+  /// Of all slots: for what must know the memory beforehand.
+  std::span<std::byte> memory() noexcept { return {memory_, slots() * stride_}; }
 
   // The side of the pool that Lease uses.
   std::byte* element(std::size_t slot) noexcept { return memory_ + slot * stride_; }

@@ -23,6 +23,11 @@ Option Option::expected(int least, int most) {
   return *this;
 }
 
+Option Option::each_time(int values) {
+  option_->type_size(values)->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
+  return *this;
+}
+
 Option Option::delimiter(char between_values) {
   option_->delimiter(between_values);
   return *this;

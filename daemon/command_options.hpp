@@ -22,6 +22,7 @@ class Option {
   Option required();
   Option expected(int values);
   Option expected(int least, int most);
+  Option each_time(int values);  ///< exactly so many, each time that it is given; of a vector
   Option delimiter(char between_values);
   Option allow_extra_args(bool allowed);  ///< false: one value each time that it is given
   Option show_default();                  ///< in --help

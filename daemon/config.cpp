@@ -48,6 +48,9 @@ void ReconstructionSettings::fields(FieldList& list) {
       "kind", kind, {"light_field", "multi_view"},
       "'light_field': one camera behind a microlens array; 'multi_view': 2 to 16 cameras of a rig; see the section "
       "of that name");
+  list.choice("backend", backend, {"auto", "cuda", "cpu"},
+              "'auto': an NVIDIA GPU where there is one that can be used, else the CPU; 'cuda': the GPU or an error; "
+              "particles are the same");
 }
 
 void OutputSettings::fields(FieldList& list) {

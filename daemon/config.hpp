@@ -39,9 +39,10 @@ struct IntakeSettings {
   IntakeOptions options() const;
 };
 
-/// Which instrument the images are of; each kind has a section of its own name.
+/// Which instrument the images are of (each kind has a section of its own name), and which processor reconstructs.
 struct ReconstructionSettings {
   std::string kind = "light_field";
+  std::string backend = "auto";
   bool is_multi_view() const { return kind == "multi_view"; }
   void fields(FieldList& list);
 };

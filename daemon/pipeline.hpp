@@ -44,6 +44,9 @@ class Pipeline {
   /// Before start() only. What it refers to must outlive stop().
   void add_reader(ResultReader reader) { readers_.push_back(std::move(reader)); }
 
+  /// False when the reconstruction wants frames in page-locked memory and the system refuses: it is slower then.
+  bool frames_locked() const noexcept { return frames_locked_; }
+
   void start();
   /// Stops the source, drains what is in flight and joins the threads. Idempotent; main thread.
   void stop() noexcept;
@@ -60,12 +63,15 @@ class Pipeline {
   ClockMapping clock_mapping(std::uint32_t camera) const noexcept { return intake_.clock_mapping(camera); }
   ClockSkew skew(std::uint32_t camera) const noexcept { return intake_.skew(camera); }
   const Losses& stage_losses() const noexcept { return losses_; }
+  const Losses& reconstruction_losses() const noexcept { return reconstructor_->losses(); }
   const Source& source() const noexcept { return *source_; }
   const Linker& linker() const noexcept { return linker_; }  ///< its counters: after stop()
 
  private:
   void reconstruct_loop() noexcept;
   void link_loop() noexcept;
+  void reconstruct(const FrameSet& frames, Result& result) noexcept;
+  void link(Result& result) noexcept;
   ResultLease claim_result() noexcept;
 
   static constexpr std::int64_t kPatienceNs = 100'000'000;
@@ -73,8 +79,11 @@ class Pipeline {
   Intake intake_;
   std::unique_ptr<Source> source_;
   std::unique_ptr<Reconstructor> reconstructor_;
+  bool frames_locked_ = true;
   Linker linker_;
   const bool lossless_;
+  const bool in_turns_;  ///< the reconstruction asks for expected tracks: its thread links, too
+  Tracks expected_;
   Losses losses_;  // of the stages after intake
   ResultPool results_;
   HandOver<ResultLease> to_linker_;

@@ -28,7 +28,7 @@ HandOverPolicy writer_policy(const Config& config) {
 Session::Session(const Config& config) : Session(config, make_source(config)) {}
 
 Session::Session(const Config& config, std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor) {
-  if (!reconstructor) reconstructor = make_reconstructor(config, source->cameras());
+  if (!reconstructor) reconstructor = make_reconstructor(config, source->cameras(), &backend_text_);
   for (const CameraInfo& camera : source->cameras()) camera_names_.push_back(camera.name);
   const auto limit_ns = static_cast<std::int64_t>(config.intake.silence_alarm_s * 1e9);
   sync_warning_ = sync_warning(config, *source);
@@ -38,6 +38,9 @@ Session::Session(const Config& config, std::unique_ptr<Source> source, std::uniq
   options.max_particles = config.max_particles();
   options.results_in_flight = static_cast<std::size_t>(config.publisher.queue_depth) + 24;
   pipeline_ = std::make_unique<Pipeline>(std::move(source), std::move(reconstructor), config.linker, options);
+  if (!pipeline_->frames_locked())
+    spdlog::warn(
+        "frames could not be page-locked; copies to the GPU are slower: raise `ulimit -l` or lower pool_frames");
   publisher_ = std::make_unique<Publisher>(config.publisher,
                                            PublisherContent{options.max_particles, pipeline_->linker().capacity(),
                                                             config.calibration_text(), to_toml(config)},
@@ -88,13 +91,18 @@ void Session::fill_status(StatusReport& status) {
   }
   last_status_ns_ = now_ns;
   last_status_ = now;
-  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
-    append_losses(status.losses, camera_names_[c], pipeline_->camera_losses(c));
-  append_losses(status.losses, "pipeline", pipeline_->stage_losses());
-  append_losses(status.losses, "readers", reader_losses_);
+  append_all_losses(status.losses);
   status.cameras = camera_reports();
   if (!sync_warning_.empty()) status.warnings.push_back(sync_warning_);
   if (flowing_.load() && !finished()) fill_silence(status, now_ns);
+}
+
+void Session::append_all_losses(std::vector<LossCount>& out) const {
+  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
+    append_losses(out, camera_names_[c], pipeline_->camera_losses(c));
+  append_losses(out, "reconstruction", pipeline_->reconstruction_losses());
+  append_losses(out, "pipeline", pipeline_->stage_losses());
+  append_losses(out, "readers", reader_losses_);
 }
 
 std::vector<CameraReport> Session::camera_reports() const {
@@ -135,10 +143,7 @@ SessionReport Session::report() const {
   SessionReport report;
   report.counts = counts();
   report.linker = pipeline_->linker().counters();
-  for (std::uint32_t c = 0; c < camera_names_.size(); ++c)
-    append_losses(report.losses, camera_names_[c], pipeline_->camera_losses(c));
-  append_losses(report.losses, "pipeline", pipeline_->stage_losses());
-  append_losses(report.losses, "readers", reader_losses_);
+  append_all_losses(report.losses);
   for (std::size_t i = 0; i < kStageCount; ++i) report.latency[i] = summary_of(publisher_->latency()[i]);
   report.elapsed_s = seconds(stopped_ns_ - started_ns_);
   report.cameras = last_cameras_;

@@ -2,7 +2,11 @@
 // The seam between frames and particles: light field and multi-view, CPU and CUDA, implement this.
 #pragma once
 
+#include <cstddef>
+#include <span>
+
 #include "core/frame.hpp"
+#include "core/losses.hpp"
 #include "core/particles.hpp"
 #include "core/tracks.hpp"
 
@@ -15,10 +19,20 @@ class Reconstructor {
   /// Clears `out` and fills it with the particles of one instant, in order of falling support. One thread at a time.
   virtual void reconstruct(const FrameSet& frames, Particles& out) noexcept = 0;
 
+  /// Frames to come lie in `memory`, which outlives this. Set-up only. False when page-locked memory would make it
+  /// faster, and the system refuses that.
+  virtual bool page_lock(std::span<std::byte> /*memory*/) noexcept { return true; }
+
   /// Whether it looks first where known tracks are expected; then expect() precedes every reconstruct().
   virtual bool uses_tracks() const noexcept { return false; }
   /// All live tracks, as expected at the exposure of the frame set that reconstruct() gets next (Linker::predict()).
   virtual void expect(const Tracks& /*expected*/) noexcept {}
+
+  /// What was left out since construction; particles that `out` had no room for are not in it. Any thread.
+  const Losses& losses() const noexcept { return losses_; }
+
+ protected:
+  Losses losses_;  // written by the reconstructing thread
 };
 
 }  // namespace rptv

@@ -27,22 +27,40 @@ struct Swing {
   Complex value;
   double weight = 0;  ///< inverse variance of one component, 1/mm²; first for unit noise
   double square_sum = 0;
-  std::uint64_t points = 0;
+  std::uint64_t points = 0, terms = 0;
 };
 
 struct Sample {
-  double t_s, x_mm, y_mm;
+  double t_s, x_mm, y_mm, z_mm;
 };
 using Trajectories = std::map<std::uint64_t, std::vector<Sample>>;
 
 Trajectories trajectories_of(const std::vector<TrackRow>& rows, const WallProfileSettings& settings) {
   Trajectories tracks;
   for (const auto& row : rows)
-    tracks[row.particle].push_back({time_of(row, settings.rate_hz) - settings.start_s, row.x_mm, row.y_mm});
+    tracks[row.particle].push_back({time_of(row, settings.rate_hz) - settings.start_s, row.x_mm, row.y_mm, row.z_mm});
   return tracks;
 }
 
-/// x = a + b (t - mean) + c sin(w t) + d cos(w t), least squares; false when the samples cannot tell the terms apart.
+/// What depth does beyond a + b (t - mean), in units of its rms; empty when it does no more than rounding. The fluid
+/// swings along x, so this is error.
+Eigen::VectorXd depth_errors(const std::vector<Sample>& samples, double mean_t) {
+  constexpr double kRounding_mm = 1e-8;
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  Eigen::MatrixX2d basis(count, 2);
+  Eigen::VectorXd depth(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Sample& sample = samples[static_cast<std::size_t>(i)];
+    basis.row(i) << 1.0, sample.t_s - mean_t;
+    depth[i] = sample.z_mm;
+  }
+  depth -= basis * basis.colPivHouseholderQr().solve(depth);
+  const double rms = depth.norm() / std::sqrt(static_cast<double>(count));
+  return rms > kRounding_mm ? Eigen::VectorXd(depth / rms) : Eigen::VectorXd();
+}
+
+/// x = a + b (t - mean) + c sin(w t) + d cos(w t) + e (depth's error), least squares; false when the samples cannot
+/// tell the terms apart.
 bool fit_swing(const std::vector<Sample>& samples, const FlowSettings& flow, Swing& swing) {
   const double w = OscillatingWallFlow(flow).omega_rad_s();
   double mean_t = 0;
@@ -51,24 +69,24 @@ bool fit_swing(const std::vector<Sample>& samples, const FlowSettings& flow, Swi
     mean_t += sample.t_s / static_cast<double>(samples.size());
     swing.height_mm += (sample.y_mm - flow.wall_y_mm) / static_cast<double>(samples.size());
   }
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
-  for (const auto& [t, x, y] : samples) {
-    const Eigen::Vector4d basis(1.0, t - mean_t, std::sin(w * t), std::cos(w * t));
-    normal += basis * basis.transpose();
-    right += basis * x;
+  const Eigen::VectorXd depth = depth_errors(samples, mean_t);
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  Eigen::MatrixXd basis(count, depth.size() > 0 ? 5 : 4);
+  Eigen::VectorXd x(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Sample& sample = samples[static_cast<std::size_t>(i)];
+    basis.row(i).head(4) << 1.0, sample.t_s - mean_t, std::sin(w * sample.t_s), std::cos(w * sample.t_s);
+    x[i] = sample.x_mm;
   }
-  const Eigen::FullPivLU<Eigen::Matrix4d> solver(normal);
+  if (depth.size() > 0) basis.col(4) = depth;
+  const Eigen::FullPivLU<Eigen::MatrixXd> solver(basis.transpose() * basis);
   if (!solver.isInvertible() || solver.rcond() < 1e-10) return false;
-  const Eigen::Vector4d found = solver.solve(right);
-  const Eigen::Matrix4d covariance = solver.inverse();
-  for (const auto& [t, x, y] : samples) {
-    const double model = found[0] + found[1] * (t - mean_t) + found[2] * std::sin(w * t) + found[3] * std::cos(w * t);
-    swing.square_sum += (x - model) * (x - model);
-  }
+  const Eigen::VectorXd found = solver.solve(basis.transpose() * x);
+  const Eigen::MatrixXd covariance = solver.inverse();
+  swing.square_sum = (x - basis * found).squaredNorm();
   swing.value = {found[2], found[3]};
   swing.weight = 2.0 / (covariance(2, 2) + covariance(3, 3));
-  swing.points = samples.size();
+  swing.points = samples.size(), swing.terms = static_cast<std::uint64_t>(basis.cols());
   return true;
 }
 
@@ -96,7 +114,7 @@ std::vector<Swing> swings_of(const std::vector<TrackRow>& rows, const FlowSettin
 void weigh_by_noise(std::vector<Swing>& swings) {
   constexpr double kLeast_mm2 = 1e-18;  // of tracks without any noise
   const auto variance_of = [](const Swing& swing) {
-    return swing.square_sum / (static_cast<double>(swing.points) - 4.0);
+    return swing.square_sum / static_cast<double>(swing.points - swing.terms);
   };
   std::vector<double> variances;
   for (const auto& swing : swings) variances.push_back(variance_of(swing));

@@ -42,9 +42,12 @@ struct WallProfile {
   std::uint64_t tracks = 0;  ///< used
 };
 
-/// Least squares of a + b t + c sin(w t) + d cos(w t) to the x of each track (b: drift), then means of the complex
-/// amplitude c + i d over bins of height, weighted by its information and the track's own noise. Rows in any order.
-/// Throws Error(bad_data) when no track is long enough. Batch use.
+/// Least squares of a + b t + c sin(w t) + d cos(w t) + e q to the x of each track (b: drift), then means of the
+/// complex amplitude c + i d over bins of height, weighted by its information and the track's own noise. q is what
+/// depth does beyond its drift: the wall and the fluid swing along x alone, so q is error of the depth, and an error of
+/// depth moves x along the line of sight (regressions whose errors are correlated, Zellner 1962; for a wall that swings
+/// in z also, turn the tracks first). Rows in any order. Throws Error(bad_data) when no track is long enough. Batch
+/// use.
 WallProfile measure_wall_profile(const std::vector<TrackRow>& tracks, const FlowSettings& theory,
                                  const WallProfileSettings& settings = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bundle as a problem for Ceres; the only source that includes it.
+// The bundle as a problem for Ceres; with its residuals, the only source that includes it.
 #include "calibration/cameras/bundle_adjust.hpp"
 
 #include <ceres/ceres.h>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibration/cameras/bundle_projection.hpp"
+#include "calibration/cameras/bundle_costs.hpp"
 #include "calibration/cameras/median.hpp"
 #include "core/error.hpp"
 
@@ -17,16 +17,15 @@ namespace rptv {
 namespace {
 
 constexpr double kWideLoss_px = 1;
-constexpr double kPixel_px = 0.1, kRodError = 1e-4;  // what a rod's length weighs
-constexpr double kOutlier = 5;                       // standard errors
-constexpr double kMedianToSigma = 1.1774;            // of the distance of two normal coordinates
+constexpr double kOutlier = 5;             // standard errors
+constexpr double kMedianToSigma = 1.1774;  // of the distance of two normal coordinates
 
 /// Parameter blocks, at addresses that stay, and what Ceres has to renew whenever it has moved them.
 struct Parameters : ceres::EvaluationCallback {
   std::vector<LensParameters> lenses;
   std::vector<PoseParameters> cameras, targets;
-  StackParameters stack{};
-  const RefractiveStack* base = nullptr;
+  StackParameters stack{}, held{};           // of the common wall, and of windows of cameras
+  const Bundle* base = nullptr;              // has the walls that these move
   std::vector<BrownDistortion> distortions;  // of the lenses
 
   void PrepareForEvaluation(bool, bool new_point) override {
@@ -35,61 +34,15 @@ struct Parameters : ceres::EvaluationCallback {
 };
 
 BundleProjection projection_of(const Parameters& p, std::size_t camera, std::size_t view) {
-  return {p.lenses[camera], p.cameras[camera], p.targets[view], p.base, p.stack, &p.distortions[camera]};
+  const bool own = p.base->has_window(camera);
+  return {p.lenses[camera],
+          p.cameras[camera],
+          p.targets[view],
+          own ? &p.base->windows[camera] : &p.base->stack,
+          own ? p.held : p.stack,
+          &p.distortions[camera],
+          own};
 }
-
-class SeenPointCost : public ceres::SizedCostFunction<2, 9, 6, 6, 3> {
- public:
-  SeenPointCost(const Point3& point_mm, const Pixel& seen, const RefractiveStack& stack,
-                const BrownDistortion& distortion)
-      : point_mm_(point_mm), seen_(seen), stack_(&stack), distortion_(&distortion) {}
-
-  bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
-    const BundleProjection projection{
-        std::span<const double, 9>(parameters[0], 9), std::span<const double, 6>(parameters[1], 6),
-        std::span<const double, 6>(parameters[2], 6), stack_,
-        std::span<const double, 3>(parameters[3], 3), distortion_};
-    ProjectionDerivatives derivatives;
-    Pixel at;
-    if (!projection.project(point_mm_, at, jacobians != nullptr ? &derivatives : nullptr)) return false;
-    residuals[0] = at[0] - seen_[0], residuals[1] = at[1] - seen_[1];
-    if (jacobians == nullptr) return true;
-    const auto give = [&](int block, const auto& values) {
-      if (jacobians[block] != nullptr) std::copy(values.begin(), values.end(), jacobians[block]);
-    };
-    give(0, derivatives.by_lens), give(1, derivatives.by_camera), give(2, derivatives.by_target);
-    give(3, derivatives.by_stack);
-    return true;
-  }
-
- private:
-  Point3 point_mm_;
-  Pixel seen_;
-  const RefractiveStack* stack_;
-  const BrownDistortion* distortion_;
-};
-
-class RodCost : public ceres::SizedCostFunction<1, 6, 6> {
- public:
-  explicit RodCost(double length_mm) : length_mm_(length_mm), weight_(kPixel_px / (kRodError * length_mm)) {}
-
-  bool Evaluate(const double* const* ends, double* residual, double** jacobians) const override {
-    const Eigen::Map<const Eigen::Vector3d> first(ends[0] + 3), second(ends[1] + 3);
-    const Eigen::Vector3d along = second - first;
-    const double length = along.norm();
-    if (!(length > 0)) return false;
-    residual[0] = weight_ * (length - length_mm_);
-    for (int end = 0; jacobians != nullptr && end < 2; ++end) {
-      if (jacobians[end] == nullptr) continue;
-      Eigen::Map<Eigen::Matrix<double, 1, 6>> row(jacobians[end]);
-      row << 0, 0, 0, (end == 0 ? -weight_ : weight_) / length * along.transpose();
-    }
-    return true;
-  }
-
- private:
-  double length_mm_, weight_;
-};
 
 /// Residuals of every seen point of the views in use. Points that are not projected are left out; Ceres refuses them.
 std::vector<PointResidual> residuals_of(const BoardSet& set, const Bundle& bundle, Parameters& p) {
@@ -115,10 +68,13 @@ class BundleProblem {
       : problem_(options_with(p)) {
     for (const auto& r : seen) {
       const BoardView& image = set.images[r.image];
+      const bool own = p.base->has_window(image.camera);
+      StackParameters& wall = own ? p.held : p.stack;
       problem_.AddResidualBlock(
-          new SeenPointCost(set.target_mm[r.seen.point], r.seen.pixel, *p.base, p.distortions[image.camera]),
+          new SeenPointCost(set.target_mm[r.seen.point], r.seen.pixel, projection_of(p, image.camera, image.view)),
           new ceres::HuberLoss(loss_px), p.lenses[image.camera].data(), p.cameras[image.camera].data(),
-          p.targets[image.view].data(), p.stack.data());
+          p.targets[image.view].data(), wall.data());
+      if (own || !options.fit_stack) problem_.SetParameterBlockConstant(wall.data());
     }
     for (auto& lens : p.lenses) {
       if (!problem_.HasParameterBlock(lens.data())) continue;
@@ -134,7 +90,6 @@ class BundleProblem {
       if (options.single_points && problem_.HasParameterBlock(target.data()))
         problem_.SetManifold(target.data(), new ceres::SubsetManifold(6, {0, 1, 2}));
     if (problem_.HasParameterBlock(p.cameras[0].data())) problem_.SetParameterBlockConstant(p.cameras[0].data());
-    if (!options.fit_stack && !seen.empty()) problem_.SetParameterBlockConstant(p.stack.data());
   }
 
   int solve() {
@@ -194,7 +149,7 @@ double sigma_of(const std::vector<PointResidual>& residuals, double freedom) {
 
 BundleResult adjust_bundle(const BoardSet& set, const Bundle& start, const BundleOptions& options) {
   Parameters p;
-  p.base = &start.stack;
+  p.base = &start;
   std::size_t unknowns = 6 * (start.cameras.size() - 1) + (options.fit_stack ? 3 : 0);
   for (const auto& lens : start.lenses) p.lenses.push_back(parameters_of(lens)), unknowns += options.fit_lenses ? 8 : 0;
   for (const auto& pose : start.cameras) p.cameras.push_back(parameters_of(pose));

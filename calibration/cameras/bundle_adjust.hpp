@@ -2,20 +2,12 @@
 // All lenses, camera poses and target poses at once, so that points fall where they were seen.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "calibration/cameras/board_views.hpp"
+#include "calibration/cameras/bundle.hpp"
 
 namespace rptv {
-
-/// What there is to adjust. The first camera's pose stays as it is: it holds the frame.
-struct Bundle {
-  std::vector<CameraIntrinsics> lenses;            ///< of each camera
-  std::vector<CameraPose> cameras;                 ///< rig → camera
-  std::vector<std::optional<CameraPose>> targets;  ///< of each view, target → rig; none: the view is not used
-  RefractiveStack stack;                           ///< empty: air only
-};
 
 /// Two targets whose origins are at a known distance.
 struct Rod {
@@ -26,7 +18,7 @@ struct Rod {
 struct BundleOptions {
   bool fit_k3 = false;
   bool fit_lenses = true;
-  bool fit_stack = false;      ///< direction and position of the interfaces (not their distances from each other)
+  bool fit_stack = false;  ///< direction and position of Bundle::stack (not the interfaces' distances from each other)
   bool single_points = false;  ///< targets are single points: how they are turned is held
   std::vector<Rod> rods;       ///< known to a ten-thousandth, beside pixels of 0.1 px
   double length_factor = 3;    ///< residuals beyond this many standard errors count linearly (Huber 1964)

@@ -113,20 +113,24 @@ bool BundleProjection::project(const Point3& point_mm, Pixel& pixel, ProjectionD
   const Vector turn_camera(camera[0], camera[1], camera[2]), shift(camera[3], camera[4], camera[5]);
   const Matrix to_rig = rotation_of(turn_target), to_camera = rotation_of(turn_camera);
   const Vector point = to_rig * inner + Vector(target[3], target[4], target[5]);
-  const Vector centre = -to_camera.transpose() * shift;
-  Sight sight{point - centre};
+  // Light is traced in the frame that the stack is given in.
+  const Matrix to_frame = in_camera ? to_camera : Matrix::Identity(),
+               from_frame = in_camera ? Matrix::Identity() : to_camera;
+  const Vector at = in_camera ? to_camera * point + shift : point;
+  const Vector centre = in_camera ? Vector(Vector::Zero()) : Vector(-to_camera.transpose() * shift);
+  Sight sight{at - centre};
   if (stack != nullptr && !stack->interfaces.empty()) {
     try {
       const auto axes = across(vector_of(stack->normal));
       const RefractiveStack here = moved(*stack, stack_move);
       const Matrix turn_stack = rotation_of(stack_move[0] * axes[0] + stack_move[1] * axes[1]);
       const Matrix spread = turn_stack * right_jacobian(stack_move[0] * axes[0] + stack_move[1] * axes[1]);
-      if (!see_through(here, {spread * axes[0], spread * axes[1]}, centre, point, sight)) return false;
+      if (!see_through(here, {spread * axes[0], spread * axes[1]}, centre, at, sight)) return false;
     } catch (const Error&) {
       return false;  // a step too far: the camera behind the glass
     }
   }
-  const Vector seen = to_camera * sight.direction;
+  const Vector seen = from_frame * sight.direction;
   if (!(seen[2] > 0)) return false;
   const double x = seen[0] / seen[2], y = seen[1] / seen[2], r2 = x * x + y * y;
   const auto bent = distortion->distort({x, y});
@@ -140,8 +144,9 @@ bool BundleProjection::project(const Point3& point_mm, Pixel& pixel, ProjectionD
   by_ideal << lens[0] * bend[0][0], lens[0] * bend[0][1], lens[1] * bend[1][0], lens[1] * bend[1][1];
   Rows pinhole;
   pinhole << 1 / seen[2], 0, -x / seen[2], 0, 1 / seen[2], -y / seen[2];
-  const Rows by_seen = by_ideal * pinhole, by_direction = by_seen * to_camera;
-  const Rows by_point = by_direction * sight.by_point, by_centre = by_direction * sight.by_centre;
+  const Rows by_seen = by_ideal * pinhole, by_direction = by_seen * from_frame;
+  const Rows by_at = by_direction * sight.by_point, by_centre = by_direction * sight.by_centre;
+  const Rows by_point = by_at * to_frame;
 
   Eigen::Map<Eigen::Matrix<double, 2, 9, Eigen::RowMajor>> by_lens(derivatives->by_lens.data());
   by_lens.row(0) << (*bent)[0], 0, 1, 0, lens[0] * x * r2, lens[0] * x * r2 * r2, lens[0] * 2 * x * y,
@@ -150,9 +155,12 @@ bool BundleProjection::project(const Point3& point_mm, Pixel& pixel, ProjectionD
       lens[1] * 2 * x * y, lens[1] * y * r2 * r2 * r2;
   Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_camera(derivatives->by_camera.data());
   // R(r)·d turns by -R·[d]x·J; the centre is -R(-r)·t.
-  by_camera.leftCols<3>() = -by_direction * crossed(sight.direction) * right_jacobian(turn_camera) -
-                            by_centre * to_camera.transpose() * crossed(shift) * right_jacobian(-turn_camera);
-  by_camera.rightCols<3>() = -by_centre * to_camera.transpose();
+  if (in_camera)
+    by_camera << -by_point * crossed(point) * right_jacobian(turn_camera), by_at;
+  else
+    by_camera << -by_direction * crossed(sight.direction) * right_jacobian(turn_camera) -
+                     by_centre * to_camera.transpose() * crossed(shift) * right_jacobian(-turn_camera),
+        -by_centre * to_camera.transpose();
   Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_target(derivatives->by_target.data());
   by_target.leftCols<3>() = -by_point * to_rig * crossed(inner) * right_jacobian(turn_target);
   by_target.rightCols<3>() = by_point;

@@ -40,6 +40,7 @@ struct BundleProjection {
   const RefractiveStack* stack = nullptr;
   std::span<const double, 3> stack_move;
   const BrownDistortion* distortion = nullptr;  ///< of `lens`: finding its fold takes longer than all the rest
+  bool in_camera = false;  ///< `stack` is in the camera's frame and moves with it, not in the rig's
 
   /// False where the camera cannot see the point. Derivatives on demand: chain rule through CameraModel's steps,
   /// Snell's law by implicit differentiation.

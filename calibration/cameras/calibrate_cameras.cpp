@@ -62,20 +62,10 @@ std::vector<double> image_rms_px(const BoardSet& set, const BundleResult& result
   return sum;
 }
 
-Bundle in_frame(const Bundle& bundle, const CameraPose& frame) {
-  Bundle moved = bundle;
-  for (auto& camera : moved.cameras) camera = after(camera, frame);
-  for (auto& target : moved.targets)
-    if (target) target = after(inverse(frame), *target);
-  for (auto& interface : moved.stack.interfaces) interface.position_mm -= dot(moved.stack.normal, frame.translation_mm);
-  moved.stack.normal = transpose(frame.rotation) * moved.stack.normal;
-  return moved;
-}
-
 CameraCalibration calibrate_cameras(const BoardSet& set, const CameraCalibrationOptions& options) {
   CameraCalibration c;
   c.used = set;
-  const bool glass = !options.stack.interfaces.empty();
+  const bool glass = !options.stack.interfaces.empty() || !options.windows.empty();
   SingleCameraOptions by_itself = options.single;
   by_itself.behind_glass = glass;
   for (std::size_t k = 0; k < set.cameras.size(); ++k) {
@@ -88,7 +78,7 @@ CameraCalibration calibrate_cameras(const BoardSet& set, const CameraCalibration
   Bundle bundle;
   for (const auto& single : c.singles) bundle.lenses.push_back(single.lens);
   bundle.cameras = register_cameras(c.used, c.graph);
-  bundle.stack = options.stack;
+  bundle.stack = options.stack, bundle.windows = options.windows;
   for (int round = 0;; ++round) {
     bundle.targets = target_poses(c.used, c.singles, bundle.cameras);
     BundleOptions adjust;
@@ -111,7 +101,7 @@ CameraCalibration calibrate_cameras(const BoardSet& set, const CameraCalibration
   }
   for (std::size_t k = 0; k < set.cameras.size(); ++k)
     c.rig.cameras.push_back({set.cameras[k].name, CameraModel(c.result.bundle.lenses[k], c.result.bundle.cameras[k],
-                                                              c.result.bundle.stack, set.cameras[k].name)});
+                                                              stack_of(c.result.bundle, k), set.cameras[k].name)});
   return c;
 }
 

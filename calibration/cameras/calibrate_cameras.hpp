@@ -15,7 +15,8 @@ namespace rptv {
 struct CameraCalibrationOptions {
   SingleCameraOptions single;
   RefractiveStack stack;                  ///< interfaces in the first camera's frame; empty: the target stands in air
-  bool fit_stack = false;                 ///< adjust where they are
+  std::vector<RefractiveStack> windows;   ///< of each camera, in its own frame, instead; as in Bundle
+  bool fit_stack = false;                 ///< adjust where `stack` is
   std::optional<std::size_t> world_view;  ///< the rig's frame is the target's of this view; none: the first camera's
 };
 
@@ -34,8 +35,5 @@ CameraCalibration calibrate_cameras(const BoardSet& set, const CameraCalibration
 
 /// Root mean square distance of every image of `set`, px; 0 where an image has no residuals.
 std::vector<double> image_rms_px(const BoardSet& set, const BundleResult& result);
-
-/// The bundle in another frame: x_now = frame.rotation·x_new + frame.translation.
-Bundle in_frame(const Bundle& bundle, const CameraPose& frame);
 
 }  // namespace rptv

@@ -74,6 +74,16 @@ std::string camera_text(const CameraCalibration& c, std::size_t k) {
       with_error(lens.cy_px, sigma, k, 3), centre[0] + 0.0, centre[1] + 0.0, centre[2] + 0.0);  // no -0.00
 }
 
+/// `whose`: nothing where all cameras look through it.
+std::string stack_text(const RefractiveStack& stack, const std::string& whose) {
+  std::string text;
+  for (const auto& interface : stack.interfaces)
+    text += fmt::format("interface         {:.3f} mm along the normal {:.6f} {:.6f} {:.6f}, index {} behind{}\n",
+                        interface.position_mm, stack.normal[0], stack.normal[1], stack.normal[2],
+                        interface.behind.index, whose);
+  return text;
+}
+
 }  // namespace
 
 std::string to_text(const CameraCalibration& c) {
@@ -95,10 +105,9 @@ std::string to_text(const CameraCalibration& c) {
   for (const auto& d : c.dropped)
     text += fmt::format("dropped           camera {}, view {}: {}\n", c.used.cameras[d.camera].name,
                         c.used.views[d.view], d.reason);
-  for (const auto& interface : r.bundle.stack.interfaces)
-    text += fmt::format("interface         {:.3f} mm along the normal {:.6f} {:.6f} {:.6f}, index {} behind\n",
-                        interface.position_mm, r.bundle.stack.normal[0], r.bundle.stack.normal[1],
-                        r.bundle.stack.normal[2], interface.behind.index);
+  text += stack_text(r.bundle.stack, "");
+  for (std::size_t k = 0; k < c.used.cameras.size(); ++k)
+    if (r.bundle.has_window(k)) text += stack_text(stack_of(r.bundle, k), ", camera " + c.used.cameras[k].name);
   const TargetErrors target = target_errors(c.used, r);
   const VolumeAccuracy v = volume_accuracy(c.used, r.bundle, kParticle_px);
   text += fmt::format("target in space   {} points from two or more cameras: rms {:.4f} mm, largest {:.4f} mm\n",

@@ -54,7 +54,7 @@ bool add_sighting(const Sighting& s, const Point3& point, Matrix& square, Vector
 std::vector<CameraModel> models_of(const Bundle& bundle) {
   std::vector<CameraModel> models;
   for (std::size_t c = 0; c < bundle.cameras.size(); ++c)
-    models.emplace_back(bundle.lenses[c], bundle.cameras[c], bundle.stack);
+    models.emplace_back(bundle.lenses[c], bundle.cameras[c], stack_of(bundle, c));
   return models;
 }
 

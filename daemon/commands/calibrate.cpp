@@ -5,8 +5,7 @@
 namespace rptv {
 
 void add_calibrate(Command app, Action& chosen) {
-  Command command =
-      app.add_subcommand("calibrate", "Make a calibration from images or points, or from another program's");
+  Command command = calibrate_command(app);
   command.require_subcommand();
   command.footer(
       "Examples:\n"

@@ -6,6 +6,9 @@
 
 namespace rptv {
 
+/// The command's name and summary, without its parts.
+Command calibrate_command(Command app);
+
 void add_calibrate_cameras(Command calibrate, Action& chosen);
 void add_calibrate_lenslets(Command calibrate, Action& chosen);
 void add_calibrate_volume(Command calibrate, Action& chosen);

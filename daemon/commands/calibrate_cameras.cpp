@@ -2,9 +2,12 @@
 // `rapidptv calibrate cameras`: images of a target by several cameras in, rig and report out.
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <span>
 
 #include "calibration/cameras/calibrate_cameras.hpp"
 #include "calibration/cameras/cameras_report.hpp"
@@ -23,21 +26,68 @@ namespace fs = std::filesystem;
 struct Options {
   std::vector<std::string> images;
   std::string board, output, report, pattern = "cam{camera}_{view}.*", world_view;
-  std::vector<double> glass;
+  std::vector<std::string> glass;
   std::vector<int> size_px;
   bool allow_missing = false, keep_outliers = false, fit_k3 = false, fit_glass = false, json = false;
 };
 
-/// --glass DISTANCE THICKNESS INDEX LIQUID: across the first camera's axis until --fit-glass turns it.
-RefractiveStack stack_of(const std::vector<double>& glass) {
-  if (glass.empty()) return {};
-  return {{0, 0, -1}, {1.0}, {{-glass[0], {glass[2]}}, {-glass[0] - glass[1], {glass[3]}}}};
+double positive(const std::string& word) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  if (word.empty() || *end != '\0' || !(value > 0) || !std::isfinite(value))
+    throw Error(ExitCode::usage, fmt::format("--glass: {} is no positive number; give DISTANCE THICKNESS INDEX LIQUID, "
+                                             "and CAMERA: before the distance for one camera's own window",
+                                             in_quotes(word)));
+  return value;
+}
+
+/// Across the axis of the camera that it is `words[0]` mm from, until --fit-glass turns it.
+RefractiveStack stack_of(std::span<const std::string> words) {
+  const double distance_mm = positive(words[0]), thickness_mm = positive(words[1]);
+  return {
+      {0, 0, -1}, {1.0}, {{-distance_mm, {positive(words[2])}}, {-distance_mm - thickness_mm, {positive(words[3])}}}};
+}
+
+/// --glass [CAMERA:]DISTANCE THICKNESS INDEX LIQUID, any number of times.
+void add_glass(const std::vector<std::string>& glass, const BoardSet& set, CameraCalibrationOptions& options) {
+  for (std::size_t i = 0; i + 4 <= glass.size(); i += 4) {
+    std::vector<std::string> words(glass.begin() + static_cast<std::ptrdiff_t>(i),
+                                   glass.begin() + static_cast<std::ptrdiff_t>(i + 4));
+    const std::size_t colon = words[0].rfind(':');
+    const std::string camera = colon == std::string::npos ? "" : words[0].substr(0, colon);
+    if (colon != std::string::npos) words[0].erase(0, colon + 1);
+    const auto at = std::find_if(set.cameras.begin(), set.cameras.end(),
+                                 [&](const CameraImages& known) { return known.name == camera; });
+    if (colon != std::string::npos && at == set.cameras.end())
+      throw Error(ExitCode::usage, fmt::format("--glass: there is no camera {}; the first is '{}', the last '{}'",
+                                               in_quotes(camera), set.cameras.front().name, set.cameras.back().name));
+    if (colon != std::string::npos) options.windows.resize(set.cameras.size());
+    RefractiveStack& stack = colon == std::string::npos
+                                 ? options.stack
+                                 : options.windows[static_cast<std::size_t>(at - set.cameras.begin())];
+    if (!stack.interfaces.empty())
+      throw Error(ExitCode::usage, fmt::format("--glass {} is given twice; give one window for each camera, or one for "
+                                               "all",
+                                               words[0]));
+    stack = stack_of(words);
+  }
+  for (std::size_t c = 0; c < options.windows.size() && options.stack.interfaces.empty(); ++c)
+    if (options.windows[c].interfaces.empty())
+      throw Error(
+          ExitCode::usage,
+          fmt::format("--glass: camera '{}' has no window and others have; give it one, or one for all the rest",
+                      set.cameras[c].name));
 }
 
 CameraCalibrationOptions options_of(const Options& options, const BoardSet& set) {
   CameraCalibrationOptions result;
   result.single.fit_k3 = options.fit_k3, result.single.drop_outliers = !options.keep_outliers;
-  result.stack = stack_of(options.glass), result.fit_stack = options.fit_glass;
+  add_glass(options.glass, set, result);
+  if (options.fit_glass && result.stack.interfaces.empty())
+    throw Error(ExitCode::usage,
+                "--fit-glass turns the window that cameras share, and each has its own: images hardly tell it from the "
+                "lens behind it; measure them, and leave --fit-glass out");
+  result.fit_stack = options.fit_glass;
   if (options.world_view.empty()) return result;
   const auto at = std::find(set.views.begin(), set.views.end(), options.world_view);
   if (at == set.views.end())
@@ -103,10 +153,9 @@ void add_calibrate_cameras(Command calibrate, Action& chosen) {
       command
           .add_option("--glass", options->glass,
                       "the target stands behind a window: its DISTANCE from the first camera and THICKNESS (mm), "
-                      "refractive INDEX of the glass, and of the LIQUID")
-          .expected(4)
-          .allow_extra_args(false)
-          .positive();
+                      "refractive INDEX of the glass, and of the LIQUID; CAMERA:DISTANCE and so on: that camera's own "
+                      "window, from itself")
+          .each_time(4);
   command.add_flag("--fit-glass", options->fit_glass, "fit where the window is and how it is turned").needs(glass);
   command.add_option("--size", options->size_px, "measured points: WIDTH and HEIGHT of the images, px")
       .expected(2)
@@ -121,6 +170,8 @@ void add_calibrate_cameras(Command calibrate, Action& chosen) {
       "  rapidptv calibrate cameras charuco/ --board board.toml -o rig.toml --report report/\n"
       "  rapidptv calibrate cameras left/ right/ --pattern '{camera}/{view}.png' --board board.toml -o rig.toml\n"
       "  rapidptv calibrate cameras in_water/ --board board.toml --glass 430 6 1.46 1.333 --fit-glass -o rig.toml\n"
+      "  rapidptv calibrate cameras in_water/ --board board.toml --glass cam0:430 6 1.46 1.333 --glass cam1:390 6 1.46 "
+      "1.333 -o rig.toml\n"
       "  rapidptv calibrate cameras cube/ --pattern 'cam{camera}_{view}.txt' --board cube.toml --size 1280 1024 -o "
       "rig.toml");
   command.callback([options, &chosen] { chosen = [options] { return run(*options); }; });

@@ -17,6 +17,7 @@ void add_check(Command app, Action& chosen);
 void add_show_config(Command app, Action& chosen);
 void add_reconstruct(Command app, Action& chosen);
 void add_calibrate(Command app, Action& chosen);
+void list_calibrate(Command app, Action& chosen);  ///< in --help only
 void add_link(Command app, Action& chosen);
 void add_simulate(Command app, Action& chosen);
 void add_score(Command app, Action& chosen);

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 struct ReconstructOptions {
   std::vector<std::string> images;
-  std::string config, calibration, space;
+  std::string config, calibration, space, backend;
   std::string output = "-";
   double rate_hz = 0;
   std::vector<std::string> set;
@@ -34,6 +34,7 @@ Config resolve(const ReconstructOptions& options) {
       config.reconstruction.is_multi_view() ? config.multi_view.rig : config.light_field.calibration;
   if (!options.calibration.empty()) calibration = options.calibration;
   if (!options.space.empty()) config.light_field.space = options.space;
+  if (!options.backend.empty()) config.reconstruction.backend = options.backend;
   if (options.rate_hz > 0) config.replay.rate_hz = options.rate_hz;
   if (options.images.size() == 1) config.replay.path = options.images.front();
   if (options.images.empty() && config.replay.path.empty())
@@ -79,6 +80,7 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
                              counts.refused_candidates);
   if (counts.refused_particles > 0)
     std::cerr << fmt::format("{} particles were left out: raise light_field.max_particles\n", counts.refused_particles);
+  if (counts.device_failed) std::cerr << "the device failed on the way; the CPU did the rest, with the same results\n";
 }
 
 ExitCode reconstruct(const ReconstructOptions& options) {
@@ -90,8 +92,10 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   }
   const ImageSequence images = open_images(options, config);
   const std::vector<double> times = times_of(options, config, images);
-  const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}});
+  std::string where;
+  const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}}, &where);
   auto& light_field = dynamic_cast<LightField&>(*stage);
+  std::cerr << where << '\n';
   for (const auto& warning : read_light_field_calibration(config.light_field.calibration).warnings())
     std::cerr << "warning: " << config.light_field.calibration << ": " << warning << '\n';
   PointsWriter points(options.output, {.covariance = true, .ghost = true, .time = !times.empty()});
@@ -125,6 +129,8 @@ void add_reconstruct(Command app, Action& chosen) {
   command.add_option("--calibration", options->calibration, "light-field calibration or rig file (TOML)");
   command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
   command.add_option("--space", options->space, "frame of reference of the points").one_of({"object", "image"});
+  command.add_option("--backend", options->backend, "processor that reconstructs, instead of reconstruction.backend")
+      .one_of({"auto", "cuda", "cpu"});
   command.add_option("--rate", options->rate_hz, "frames per second, for column t, where no frames.csv tells it")
       .range(1e-6, 1e9);
   command.add_option("-o,--output", options->output, "table of points; - is standard output").show_default();

@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t kPollNs = 100'000'000;
 
 struct RunOptions {
-  std::string config, tracks, points, endpoint, report, log_level;
+  std::string config, tracks, points, endpoint, report, log_level, backend;
   std::vector<std::string> set;
   bool wait_for_subscriber = false;
 };
@@ -28,6 +28,7 @@ Config resolve(const RunOptions& options) {
   if (!options.tracks.empty()) config.output.tracks = options.tracks;
   if (!options.points.empty()) config.output.points = options.points;
   if (!options.endpoint.empty()) config.publisher.endpoint = options.endpoint;
+  if (!options.backend.empty()) config.reconstruction.backend = options.backend;
   return config;
 }
 
@@ -44,6 +45,7 @@ ExitCode run(const RunOptions& options) {
   const Config config = resolve(options);
   Supervisor supervisor;
   Session session(config);
+  spdlog::info("{}", session.backend());
   for (const std::string& endpoint : session.endpoints()) spdlog::info("publishing at {}", endpoint);
   if (options.wait_for_subscriber) {
     spdlog::info("waiting for a subscriber");
@@ -81,6 +83,8 @@ void add_run(Command app, Action& chosen) {
   command.add_option("--tracks", options->tracks, "also write tracks to this CSV file");
   command.add_option("--points", options->points, "also write particles to this CSV file");
   command.add_option("--endpoint", options->endpoint, "publish here instead of publisher.endpoint");
+  command.add_option("--backend", options->backend, "processor that reconstructs, instead of reconstruction.backend")
+      .one_of({"auto", "cuda", "cpu"});
   command.add_option("--report", options->report, "write the final report to this JSON file");
   command.add_option("--log-level", options->log_level, "trace, debug, info, warning, error or off");
   command.add_flag("--wait-for-subscriber", options->wait_for_subscriber,

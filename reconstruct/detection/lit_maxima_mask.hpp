@@ -2,24 +2,14 @@
 // 64 pixels against their eight neighbours, for each instruction set: bit i is set when pixel i is a local maximum.
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 
+#include "reconstruct/detection/lit_maximum_kernel.hpp"
 #include "reconstruct/lit_mask.hpp"
 
 namespace rptv {
-
-/// A maximum is above the four neighbours before it in raster order and not below the four after it, so that of equal
-/// neighbours one counts. Of three rows, `pixels` points into the middle one; a row is `stride` pixels long.
-template <class Pixel>
-bool is_maximum(const Pixel* pixels, std::ptrdiff_t stride) noexcept {
-  const Pixel *above = pixels - stride, *below = pixels + stride;
-  const Pixel before = std::max({above[-1], above[0], above[1], pixels[-1]});
-  const Pixel after = std::max({pixels[1], below[-1], below[0], below[1]});
-  return pixels[0] > before && pixels[0] >= after;
-}
 
 /// `among(lit, …)` gives those of the 64 pixels from `pixels` on that are set in `lit` and are maxima.
 struct MaximaMask {

@@ -10,14 +10,15 @@ namespace rptv {
 
 namespace {
 
-constexpr std::uint16_t kMost = 65535 / 16;  // the weights add up to 16
 constexpr std::size_t kBlock = 64;
 
 #define RPTV_INLINE [[gnu::always_inline]] inline
 
 RPTV_INLINE std::uint16_t u16(int value) noexcept { return static_cast<std::uint16_t>(value); }
 RPTV_INLINE std::uint16_t higher(std::uint16_t a, std::uint16_t b) noexcept { return a > b ? a : b; }
-RPTV_INLINE std::uint16_t clamped(std::uint16_t count) noexcept { return count < kMost ? count : kMost; }
+RPTV_INLINE std::uint16_t clamped(std::uint16_t count) noexcept {
+  return count < kMostSmoothable ? count : kMostSmoothable;
+}
 
 // Weights 1-2-1 along y; null: a row of the border, which counts rays that have left the volume.
 RPTV_INLINE void smooth_column(std::size_t size, const std::uint16_t* above, const std::uint16_t* __restrict row,
@@ -127,15 +128,13 @@ bool CoarseMaxima::is_maximum(std::size_t plane, std::size_t index) const noexce
 double CoarseMaxima::depth_offset(std::size_t plane, std::size_t index) const noexcept {
   if (plane == 0 || plane + 1 == static_cast<std::size_t>(grid_.planes)) return 0;
   const std::uint16_t* here = &highest_[plane * plane_size_ + index];
-  const double before = here[-static_cast<std::ptrdiff_t>(plane_size_)], after = here[plane_size_];
-  const double bend = before - 2.0 * *here + after;
-  return bend < 0 ? std::clamp(0.5 * (before - after) / bend, -0.49, 0.49) : 0;
+  return depth_offset_of(here[-static_cast<std::ptrdiff_t>(plane_size_)], *here, here[plane_size_]);
 }
 
 std::size_t CoarseMaxima::find(const RayCounter& counter, std::uint16_t least,
                                std::vector<Candidate>& candidates) noexcept {
   const auto planes = static_cast<std::size_t>(grid_.planes), stride = static_cast<std::size_t>(grid_.stride());
-  const std::uint16_t bound = std::max<std::uint16_t>(std::min(least, kMost), 1);  // 1-2-1 weighs more than 3×3
+  const std::uint16_t bound = smoothed_bound(least);
   parallel_for(planes, rows_.size(), [&](std::size_t z, std::size_t thread) {
     std::uint16_t* rows = rows_[thread].data();
     loops_.smooth_plane(grid_, counter.plane(static_cast<std::int32_t>(z)).data(),

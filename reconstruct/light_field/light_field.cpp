@@ -4,19 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "calibration/light_field/object_map.hpp"
-#include "reconstruct/light_field/classify_dbscan.hpp"
-#include "reconstruct/light_field/classify_local_maxima.hpp"
-#include "reconstruct/light_field/coarse_maxima.hpp"
+#include "reconstruct/light_field/candidate_search.hpp"
 #include "reconstruct/light_field/dense_search.hpp"
 #include "reconstruct/light_field/ghost_probability.hpp"
+#include "reconstruct/light_field/light_field_dark.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
-#include "reconstruct/light_field/pixels_to_rays.hpp"
-#include "reconstruct/lit_pixels.hpp"
 #include "reconstruct/parallel.hpp"
-#include "reconstruct/running_background.hpp"
 
 namespace rptv {
 
@@ -27,14 +22,6 @@ ImageShape shape_of(const LightFieldCalibration& calibration) {
           static_cast<std::uint32_t>(calibration.sensor.height_px), 2};
 }
 
-std::array<std::int32_t, 3> half_widths(const std::vector<double>& radius_um, const VoxelGrid& grid) {
-  const auto voxels = [](double um, float step_mm) {
-    return static_cast<std::int32_t>(std::clamp(um * 1e-3 / step_mm, 1.0, 64.0));
-  };
-  return {voxels(radius_um.at(0), grid.step_x_mm), voxels(radius_um.at(1), grid.step_y_mm),
-          voxels(radius_um.at(2), grid.step_z_mm)};
-}
-
 double per_pupil_distance(const LightFieldCalibration& calibration) {
   return calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0;
 }
@@ -42,72 +29,57 @@ double per_pupil_distance(const LightFieldCalibration& calibration) {
 }  // namespace
 
 struct LightField::Stages {
-  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background);
+  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background,
+         const MakeLightFieldDevice& make_device);
 
-  const DarkPixels& now_dark() const noexcept { return learner ? learner->dark() : dark; }
-  void find_candidates(bool first_round) noexcept;
-  bool cloud_is_dense() const noexcept;
   void find_particles(std::size_t lit_pixels) noexcept;
   std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
   void find_overlapping(const ImageView& image) noexcept;
   void write(Particles& out) const noexcept;
+  void tell(Losses& losses) const noexcept;
 
   const LightFieldSettings settings;
   const ImageShape shape;
-  const DarkPixels dark;  // at the start
   const LensletLattice lattice;
+  LightFieldDark dark;
   const PixelsToRays pixels_to_rays;
   const RayWindow window;
   const VoxelGrid grid;
   const std::uint16_t min_count;
-  const std::array<std::int32_t, 3> maximum_half_width;
   const ObjectMap object_map;
   const bool in_object_space;
 
   std::vector<std::uint32_t> lit;
   Rays rays;
-  RayCounter counter;
-  std::optional<CoarseMaxima> coarse_maxima;  // or else cloud and dbscan
-  VoxelCloud cloud;
-  Dbscan dbscan;
-  std::vector<Candidate> candidates;
+  CandidateSearch search;
   ExplainAway explain_away;
-  std::unique_ptr<RunningBackground> learner;  // with settings.running_background
-  std::unique_ptr<Shake> shake;                // with settings.refine
-  std::unique_ptr<DenseSearch> dense_search;   // with settings.refine_search = "grey_values"
+  std::unique_ptr<Shake> shake;               // with settings.refine
+  std::unique_ptr<DenseSearch> dense_search;  // with settings.refine_search = "grey_values"
   std::vector<FittedParticle> particles;
-  bool dense = true;  // the first round decides for the frame
   LightFieldCounts counts;
 };
 
 LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration,
-                           const ImageView& background)
+                           const ImageView& background, const MakeLightFieldDevice& make_device)
     : settings(s),
       shape(shape_of(calibration)),
-      dark(make_dark({s.background, s.threshold, s.background_image}, shape, background)),
       lattice(calibration),
+      dark(s, calibration, lattice, shape, background),
       pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
       window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
       grid(make_grid(s, calibration, pixels_to_rays.slope_half_range())),
       min_count(make_min_count(s, calibration)),
-      maximum_half_width(half_widths(s.maximum_radius_um, grid)),
       object_map(calibration),
       in_object_space(s.space == "object"),
       lit(static_cast<std::size_t>(s.max_rays)),
       rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
-      counter(grid, static_cast<std::size_t>(s.max_rays), thread_count(s.threads)),
-      cloud(static_cast<std::size_t>(s.max_candidates)),
-      dbscan(grid, static_cast<std::size_t>(s.max_candidates), s.dbscan_radius_voxels,
-             static_cast<std::size_t>(s.dbscan_min_points)),
+      search(s,
+             {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles),
+              thread_count(s.threads)},
+             min_count, make_device),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
-  if (s.counting == "coarse_to_fine") coarse_maxima.emplace(grid, thread_count(s.threads));
-  candidates.reserve(4 * static_cast<std::size_t>(s.max_particles));
   particles.reserve(static_cast<std::size_t>(s.max_particles));
-  if (s.running_background)
-    learner = std::make_unique<RunningBackground>(
-        shape, dark, s.noise_grey, background.data != nullptr,
-        RunningBackgroundOptions{s.threshold, s.threshold_sigmas, s.background_frames});
   if (!s.refine) return;
   const ShakeOptions options =
       make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count));
@@ -115,32 +87,13 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
   if (s.refine_search == "grey_values") dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
 }
 
-bool LightField::Stages::cloud_is_dense() const noexcept {
-  if (settings.classification != "auto") return settings.classification == "local_maxima";
-  const double voxels = static_cast<double>(grid.size_x) * grid.size_y * grid.planes;
-  return static_cast<double>(cloud.voxels().size()) > settings.density_limit * voxels;
-}
-
-void LightField::Stages::find_candidates(bool first_round) noexcept {
-  candidates.clear();
-  if (coarse_maxima) {
-    counts.refused_candidates += coarse_maxima->find(counter, min_count, candidates);
-  } else {
-    counts.refused_candidates += cloud.collect(counter);
-    if (first_round) dense = cloud_is_dense();
-    counts.refused_candidates += dense ? classify_local_maxima(counter, cloud, maximum_half_width, candidates)
-                                       : dbscan.classify(counter, cloud, candidates);
-  }
-  counts.candidates += candidates.size();
-}
-
 // Appends what the first `lit_pixels` of `lit` show.
 void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
-  counts.refused_pixels += pixels_to_rays.convert({lit.data(), lit_pixels}, rays);  // eq. (5)
+  counts.refused_pixels += search.find_rays({lit.data(), lit_pixels}, rays);
   explain_away.begin(rays);
   for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
-    counter.count(rays, explain_away.taken(), min_count);  // eq. (6), (7)
-    find_candidates(round == 0);
+    const auto candidates = search.find(rays, explain_away.taken(), round == 0);
+    counts.refused_candidates += search.refused(), counts.candidates += candidates.size();
     ++counts.rounds;
     if (explain_away.explain(rays, candidates) == 0) break;
   }
@@ -157,16 +110,15 @@ void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
 // Those lit pixels that particles leave above the threshold, and well above the shot noise of what they do explain.
 std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcept {
   constexpr float kSigmas = 4;
-  const auto threshold = static_cast<float>(settings.threshold);
   const auto end = std::remove_if(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit_pixels), [&](auto pixel) {
     const float noise = std::sqrt(shake->explained(pixel) / static_cast<float>(settings.electrons_per_grey));
-    return shake->unexplained(pixel) < threshold + kSigmas * noise;
+    return shake->unexplained(pixel) < dark.threshold_of(pixel) + kSigmas * noise;
   });
   return static_cast<std::size_t>(end - lit.begin());
 }
 
 void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
-  shake->begin(image, now_dark().mean);
+  shake->begin(image, dark.now().mean);
   if (dense_search) return find_overlapping(image);
   particles.resize(shake->refine(particles, 0));
   for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
@@ -182,12 +134,14 @@ void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) 
 
 // Rays only show how bright a particle is.
 void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
-  dense_search->begin(image, now_dark().mean);
+  dense_search->begin(image, dark.now().mean);
   const auto found = dense_search->find(particles);
+  const auto spreads = dense_search->spreads();
   particles.clear();
-  for (const auto& p : found) {
-    particles.emplace_back();
-    particles.back().at = p.at, particles.back().light = p.light;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    auto& particle = particles.emplace_back();
+    particle.at = found[k].at, particle.light = found[k].light, particle.shared = spreads[k].shared;
+    counts.rough_covariances += spreads[k].cut ? 1 : 0;
   }
   particles.resize(shake->describe(particles));
   counts.refused_candidates += dense_search->refused_hits();
@@ -208,11 +162,18 @@ void LightField::Stages::write(Particles& out) const noexcept {
   }
 }
 
+void LightField::Stages::tell(Losses& losses) const noexcept {
+  losses.set(LossCause::frame_refused, counts.refused_frames);
+  losses.set(LossCause::ray_overflow, counts.refused_pixels);
+  losses.set(LossCause::candidate_overflow, counts.refused_candidates);
+  losses.set(LossCause::particle_overflow, counts.refused_particles);
+}
+
 LightField::LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration,
-                       const ImageView& background) {
+                       const ImageView& background, const MakeLightFieldDevice& make_device) {
   check_choices(settings);
   calibration.validate(settings.calibration.empty() ? "the light-field calibration" : settings.calibration);
-  stages_ = std::make_unique<Stages>(settings, calibration, background);
+  stages_ = std::make_unique<Stages>(settings, calibration, background, make_device);
 }
 
 LightField::~LightField() = default;
@@ -220,10 +181,13 @@ std::span<const FittedParticle> LightField::fitted() const noexcept { return sta
 const LightFieldCounts& LightField::counts() const noexcept { return stages_->counts; }
 std::uint16_t LightField::min_count() const noexcept { return stages_->min_count; }
 
+bool LightField::page_lock(std::span<std::byte> memory) noexcept { return stages_->search.page_lock(memory); }
+
 void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   if (frames.cameras == 1 && !frames.info().torn) return reconstruct(frames.frames[0].view(), out);
   out.clear();
   ++stages_->counts.refused_frames;
+  stages_->tell(losses_);
 }
 
 void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
@@ -231,10 +195,10 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   out.clear();
   if (image.data == nullptr || !image.shape.has_size_of(s.shape)) {
     ++s.counts.refused_frames;
-    return;
+    return s.tell(losses_);
   }
-  if (s.learner) s.learner->refresh();
-  const std::size_t lit = find_lit_pixels(image, s.now_dark().limit, s.lit);
+  s.dark.refresh();
+  const std::size_t lit = s.search.find_lit(image, s.dark.now().limit, s.dark.follows(), s.lit);
   s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
   s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
   s.particles.clear();
@@ -242,8 +206,10 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   s.counts.rays = s.rays.size;
   if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
   s.write(out);
-  if (s.learner) s.learner->offer(image);
+  s.dark.offer(image);
+  s.counts.device_failed = s.search.device_failed();
   ++s.counts.frames;
+  s.tell(losses_);
 }
 
 }  // namespace rptv

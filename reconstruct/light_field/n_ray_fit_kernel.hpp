@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "reconstruct/host_device.hpp"
-#include "reconstruct/light_field/rays.hpp"
+#include "reconstruct/light_field/ray.hpp"
 
 namespace rptv {
 

@@ -16,10 +16,9 @@ PixelsToRays::PixelsToRays(const LightFieldCalibration& calibration, const Lensl
     : lattice_(lattice),
       hypotheses_(hypotheses),
       width_(static_cast<std::uint32_t>(calibration.sensor.width_px)),
-      pixel_mm_(static_cast<float>(calibration.pixel_mm())),
-      axis_x_px_(static_cast<float>(calibration.optical_axis_px()[0])),
-      axis_y_px_(static_cast<float>(calibration.optical_axis_px()[1])),
-      per_focal_length_(static_cast<float>(1 / calibration.lenslets.focal_length_mm)) {
+      optics_{static_cast<float>(calibration.optical_axis_px()[0]),
+              static_cast<float>(calibration.optical_axis_px()[1]), static_cast<float>(calibration.pixel_mm()),
+              static_cast<float>(1 / calibration.lenslets.focal_length_mm)} {
   const auto [axis_x, axis_y] = calibration.optical_axis_px();
   const auto height = static_cast<std::uint32_t>(calibration.sensor.height_px);
   lenslets_.resize(std::size_t{width_} * height * hypotheses_);
@@ -36,13 +35,6 @@ PixelsToRays::PixelsToRays(const LightFieldCalibration& calibration, const Lensl
       }
     }
   slope_half_range_ = farthest_mm / calibration.lenslets.focal_length_mm;
-}
-
-inline Ray PixelsToRays::ray_of(std::uint32_t column, std::uint32_t row, std::uint32_t lenslet) const noexcept {
-  const auto [centre_x, centre_y] = lattice_.centre_mm(lenslet);
-  const float x = (static_cast<float>(column) - axis_x_px_) * pixel_mm_;
-  const float y = (static_cast<float>(row) - axis_y_px_) * pixel_mm_;
-  return {centre_x, centre_y, (centre_x - x) * per_focal_length_, (centre_y - y) * per_focal_length_};
 }
 
 std::size_t PixelsToRays::convert(std::span<const std::uint32_t> lit, Rays& rays) const noexcept {
@@ -72,7 +64,8 @@ std::size_t PixelsToRays::convert(std::span<const std::uint32_t> lit, Rays& rays
     std::uint32_t first_at = 0, last_at = 0;
     for (std::size_t k = 0; k < have; ++k) {
       const auto at = --first[kept[k] + 1];
-      rays.ray[at] = ray_of(lit[p] - row_start, row, kept[k]);
+      const auto [centre_x, centre_y] = lattice_.centre_mm(kept[k]);
+      rays.ray[at] = ray_of(optics_, lit[p] - row_start, row, centre_x, centre_y);
       rays.pixel[at] = static_cast<std::uint32_t>(p);
       if (k == 0) first_at = at;
       rays.same_pixel[at] = first_at, rays.same_pixel[k == 0 ? at : last_at] = at;

@@ -8,6 +8,7 @@
 
 #include "calibration/light_field/lenslet_lattice.hpp"
 #include "core/huge_pages.hpp"
+#include "reconstruct/light_field/pixels_to_rays_kernel.hpp"
 #include "reconstruct/light_field/rays.hpp"
 
 namespace rptv {
@@ -24,13 +25,17 @@ class PixelsToRays {
   /// Largest |slope - chief ray's slope| of any pixel along an axis, dimensionless: how far rays can fan out.
   double slope_half_range() const noexcept { return slope_half_range_; }
 
- private:
-  Ray ray_of(std::uint32_t column, std::uint32_t row, std::uint32_t lenslet) const noexcept;
+  const PixelOptics& optics() const noexcept { return optics_; }
+  std::size_t hypotheses() const noexcept { return hypotheses_; }
+  std::uint32_t width_px() const noexcept { return width_; }
+  /// Lenslet numbers [pixel][hypothesis], LensletLattice::kNone fills up.
+  std::span<const std::uint32_t> lenslets() const noexcept { return lenslets_; }
 
+ private:
   const LensletLattice& lattice_;
   const std::size_t hypotheses_;
   const std::uint32_t width_;
-  const float pixel_mm_, axis_x_px_, axis_y_px_, per_focal_length_;
+  const PixelOptics optics_;
   double slope_half_range_ = 0;
   std::vector<std::uint32_t, HugePages<std::uint32_t>> lenslets_;  // [pixel][hypothesis]
 };

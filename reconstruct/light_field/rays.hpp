@@ -6,13 +6,9 @@
 #include <span>
 #include <vector>
 
-namespace rptv {
+#include "reconstruct/light_field/ray.hpp"
 
-/// Image space, mm: the ray is at (centre_x + slope_x·z, centre_y + slope_y·z) at depth z (z towards the main lens).
-struct Ray {
-  float centre_x, centre_y;  ///< true centre of its lenslet
-  float slope_x, slope_y;    ///< (centre - pixel)/f
-};
+namespace rptv {
 
 /// Rays in order of their lenslet's number. `pixel[i]` numbers the lit pixel that ray i comes from: where sub-images
 /// overlap, several rays (hypotheses) share one pixel, and `same_pixel` leads round in a ring from each to the next.

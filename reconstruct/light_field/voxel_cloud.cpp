@@ -3,20 +3,13 @@
 #include "reconstruct/light_field/voxel_cloud.hpp"
 
 #include <bit>
-#include <cmath>
 
 namespace rptv {
 
 Candidate candidate_at(const RayCounter& counter, double x, double y, double z) noexcept {
-  const auto& grid = counter.grid();
-  const auto near_x = static_cast<std::int32_t>(std::lround(x)), near_y = static_cast<std::int32_t>(std::lround(y));
-  std::uint32_t rays = 0;
-  for (std::int32_t j = near_y - 1; j <= near_y + 1; ++j)
-    for (std::int32_t i = near_x - 1; i <= near_x + 1; ++i)
-      rays += counter.at(i, j, static_cast<std::int32_t>(std::lround(z)));
-  return {grid.first_x_mm + static_cast<float>(x - 1) * grid.step_x_mm,
-          grid.first_y_mm + static_cast<float>(y - 1) * grid.step_y_mm,
-          grid.first_z_mm + static_cast<float>(z) * grid.step_z_mm, rays};
+  return candidate_at(
+      counter.grid(), [&](std::int32_t i, std::int32_t j, std::int32_t plane) { return counter.at(i, j, plane); }, x, y,
+      z);
 }
 
 std::size_t VoxelCloud::collect(const RayCounter& counter) noexcept {

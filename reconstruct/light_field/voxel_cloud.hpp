@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "reconstruct/light_field/coarse_maxima_kernel.hpp"
 #include "reconstruct/light_field/ray_counter.hpp"
 
 namespace rptv {
@@ -13,12 +14,6 @@ namespace rptv {
 struct CloudVoxel {
   std::int32_t x, y, z;
   std::uint16_t count;
-};
-
-/// Where a particle may be: image space, mm.
-struct Candidate {
-  float x_mm, y_mm, z_mm;
-  std::uint32_t rays;  ///< through the 3×3 voxels round it on its plane: no fit near it can explain many more
 };
 
 /// Candidate at (fractional) voxel numbers.

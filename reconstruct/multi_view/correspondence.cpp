@@ -9,22 +9,15 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "reconstruct/multi_view/asked_place_kernel.hpp"
 
 namespace rptv {
-
-namespace {
-
-constexpr double kSlack = 1.15;        // scales vary over the volume by less
-constexpr double kNoWander_px = 0.01;  // less is not worth a look at the rays
-constexpr double kMostAlong = 32;      // tolerances, where two views hardly fix a depth
-
-}  // namespace
 
 /// Two detections: the ray of the first, and the depth on it that the second gives.
 struct Correspondence::Seed {
   Sight sight;
   double t, depth_error_mm;
-  double per_scale;  ///< of an error in the first view, mm/px
+  double px_per_mm;  ///< of the first view
 };
 
 Correspondence::Correspondence(std::span<const ViewRays> views, const Volume& volume,
@@ -101,17 +94,16 @@ void Correspondence::follow(std::size_t first, std::size_t second, std::size_t d
   if (!clip(half_mm_, seed.sight)) return;
   ++counts_.rays;
   const ViewRays& rays = views_[second].rays();
-  seed.per_scale = kSlack / views_[first].rays().px_per_mm();
+  seed.px_per_mm = views_[first].rays().px_per_mm();
   const EpipolarLine line(rays.pinhole(), seed.sight);
-  const double error_px = options_.tolerance_px * (1 + rays.px_per_mm() * seed.per_scale);
+  const double error_px = across_px(options_.tolerance_px, rays.px_per_mm(), seed.px_per_mm);
   const auto visit = [&](std::uint32_t found, double t) {
     ++counts_.pairs;
     ++work_;
     if (settled_[second][found] != 0) return;
     seed.t = t;
     if (rays.wander_px() > kNoWander_px && !meets(seed, second, found, error_px)) return;
-    const auto at = line.place(seed.t);
-    seed.depth_error_mm = error_px / std::sqrt(at.du * at.du + at.dv * at.dv);
+    seed.depth_error_mm = depth_error_mm(error_px, line.place(seed.t));
     ViewTuple tuple = ViewTuple::none();
     tuple.put(first, static_cast<std::uint32_t>(detection));
     tuple.put(second, found);
@@ -148,18 +140,14 @@ void Correspondence::extend(const Seed& seed, ViewTuple& tuple, std::size_t view
   for (std::size_t v = start; v < views_.size(); ++v) tuple.put(v, kUnseen);
 }
 
-// The depth is as wrong as the first two views may be: the place is a box along this view's epipolar line.
 std::size_t Correspondence::ask(const Seed& seed, std::size_t view,
                                 std::array<std::uint32_t, kMostHits>& hit) noexcept {
   const ViewRays& rays = views_[view].rays();
   const EpipolarLine line(rays.pinhole(), seed.sight);
-  const auto at = line.place(seed.t);
-  const double fast = std::sqrt(at.du * at.du + at.dv * at.dv) + 1e-9, u = at.du / fast, v = at.dv / fast;
-  const double across_px = options_.tolerance_px * (1 + rays.px_per_mm() * seed.per_scale);
-  const double along_px = std::min(across_px + fast * seed.depth_error_mm, kMostAlong * options_.tolerance_px);
+  const AskedPlace at(line.place(seed.t), options_.tolerance_px,
+                      across_px(options_.tolerance_px, rays.px_per_mm(), seed.px_per_mm), seed.depth_error_mm);
   const bool wanders = rays.wander_px() > kNoWander_px;
-  const double reach_u = std::abs(u) * along_px + std::abs(v) * across_px + rays.wander_px();
-  const double reach_v = std::abs(v) * along_px + std::abs(u) * across_px + rays.wander_px();
+  const double reach_u = at.reach_u() + rays.wander_px(), reach_v = at.reach_v() + rays.wander_px();
   const Point3 place = seed.sight.from_mm + seed.t * seed.sight.along;
   std::size_t hits = 0;
   views_[view].across_u().around(at.u, at.v, reach_u, reach_v, [&](const auto& point) {
@@ -167,7 +155,7 @@ std::size_t Correspondence::ask(const Seed& seed, std::size_t view,
     if (settled_[view][point.number] != 0) return;
     std::array<double, 2> off{at.u - point.major, at.v - point.minor};
     if (wanders) off = miss_px(views_[view].ray(point.number), rays.axes(), place);
-    if (std::abs(off[0] * v - off[1] * u) > across_px || std::abs(off[0] * u + off[1] * v) > along_px) return;
+    if (!at.holds(off[0], off[1])) return;
     if (hits < hit.size())
       hit[hits++] = point.number;
     else
@@ -221,7 +209,7 @@ void Correspondence::settle(std::size_t first_match) noexcept {
   const double square_px2 = options_.tolerance_px * options_.tolerance_px / 4;  // of a view, on average
   for (std::size_t m = first_match; m < matches_.size(); ++m) {
     const ViewMatch& match = matches_[m];
-    if (match.tuple.views < std::min(views_.size(), kEnough) || match.square_px2 > match.tuple.views * square_px2)
+    if (match.tuple.views < std::min(views_.size(), kEnoughViews) || match.square_px2 > match.tuple.views * square_px2)
       continue;
     for (std::size_t v = 0; v < views_.size(); ++v)
       if (match.tuple.detection[v] != kUnseen) settled_[v][match.tuple.detection[v]] = 1;

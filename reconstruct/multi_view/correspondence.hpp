@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/instruction_set.hpp"
+#include "reconstruct/multi_view/asked_place_kernel.hpp"
 #include "reconstruct/multi_view/epipolar_pencil.hpp"
 #include "reconstruct/multi_view/tuple_solver.hpp"
 #include "reconstruct/multi_view/view_match.hpp"
@@ -32,17 +33,21 @@ struct CorrespondenceCounts {
 
 /// A ray of the first view is followed through the images of the later ones; what is near it fixes a depth, and the
 /// other views are asked at that depth. Sets that do not meet are tried without views. A set within a set that meets is
-/// not listed. A set of all views (or of kEnough) whose rms error is within half the tolerance settles its detections:
-/// later pairs of views leave them alone. One thread at a time; match() allocates nothing, and its time is bounded by
-/// kWorkPerMatch · max_matches steps of some 10 ns.
+/// not listed. A set of all views (or of kEnoughViews) whose rms error is within half the tolerance settles its
+/// detections: later pairs of views leave them alone. One thread at a time; match() allocates nothing, and its time is
+/// bounded by kWorkPerMatch · max_matches steps of some 10 ns.
 class Correspondence {
  public:
   static constexpr std::uint64_t kWorkPerMatch = 64;
-  static constexpr std::size_t kEnough = 6;
 
   /// `views` must outlive this. Throws Error(configuration) when there are fewer than min_views, or not 2 to 16.
   Correspondence(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options,
                  InstructionSet set = best_instruction_set());
+
+  /// From now on: sets of at least `min_views` views (2 to all), within `tolerance_px`.
+  void demand(std::size_t min_views, double tolerance_px) noexcept {
+    options_.min_views = min_views, options_.tolerance_px = tolerance_px;
+  }
 
   /// One list per view. Valid until the next call, as views().
   std::span<const ViewMatch> match(std::span<const Detections> seen) noexcept;
@@ -62,7 +67,6 @@ class Correspondence {
   void follow(std::size_t first, std::size_t second, std::size_t detection) noexcept;
   bool meets(Seed& seed, std::size_t view, std::uint32_t detection, double error_px) const noexcept;
   void extend(const Seed& seed, ViewTuple& tuple, std::size_t view) noexcept;
-  static constexpr std::size_t kMostHits = 8;  // in one view, near one place
   std::size_t ask(const Seed& seed, std::size_t view, std::array<std::uint32_t, kMostHits>& hit) noexcept;
   void propose(const ViewTuple& tuple) noexcept;
   void solve(bool all) noexcept;

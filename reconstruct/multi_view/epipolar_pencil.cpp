@@ -37,16 +37,15 @@ PencilOfLines::PencilOfLines(const ViewRays& first, const ViewRays& second) noex
 
 void EpipolarPencil::build(const PencilOfLines& lines, const SeenView& view) noexcept {
   lines_ = &lines;
-  bins_ = std::max<std::size_t>(view.size(), 1);
-  per_bin_ = static_cast<double>(bins_) / (lines.most - lines.least);
-  std::fill_n(start_.begin(), bins_ + 1, 0U);
+  bins_ = PencilBins(lines, static_cast<std::uint32_t>(view.size()));
+  std::fill_n(start_.begin(), bins_.bins + 1, 0U);
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (!view.usable(i)) continue;
-    bin_[i] = static_cast<std::uint32_t>(bin_of(lines.of({view.u(i), view.v(i), 1})));
+    bin_[i] = bins_.of(lines.of({view.u(i), view.v(i), 1}));
     ++start_[bin_[i]];
   }
   std::uint32_t sum = 0;
-  for (std::size_t b = 0; b <= bins_; ++b) start_[b] = sum += start_[b];
+  for (std::size_t b = 0; b <= bins_.bins; ++b) start_[b] = sum += start_[b];
   for (std::size_t i = view.size(); i-- > 0;)
     if (view.usable(i)) entry_[--start_[bin_[i]]] = {view.u(i), view.v(i), static_cast<std::uint32_t>(i)};
 }

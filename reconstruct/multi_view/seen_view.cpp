@@ -43,10 +43,7 @@ std::size_t SeenView::look(const Detections& seen) noexcept {
 }
 
 void SeenView::sight(std::size_t i, Point3& from_mm, Point3& along) const noexcept {
-  const Matrix3& axes = rays_->axes();
-  const SeenRay& ray = ray_[i];
-  from_mm = ray.x * axes[0] + ray.y * axes[1];
-  along = ray.dx * axes[0] + ray.dy * axes[1] + axes[2];
+  sight_along(ray_[i], rays_->axes(), from_mm, along);
 }
 
 }  // namespace rptv

@@ -14,17 +14,6 @@
 
 namespace rptv {
 
-/// Column and row by which a ray misses a point (relative to the volume's centre), px: the reprojection error, to first
-/// order in itself.
-inline std::array<double, 2> miss_px(const SeenRay& ray, const Matrix3& axes, const Point3& at_mm) noexcept {
-  const double t = dot(axes[2], at_mm);
-  const double off_x = dot(axes[0], at_mm) - ray.x - t * ray.dx, off_y = dot(axes[1], at_mm) - ray.y - t * ray.dy;
-  const double a = ray.foot[0] + t * ray.foot_dt[0], b = ray.foot[1] + t * ray.foot_dt[1];
-  const double c = ray.foot[2] + t * ray.foot_dt[2], d = ray.foot[3] + t * ray.foot_dt[3];
-  const double per = 1 / (a * d - b * c);
-  return {per * (d * off_x - b * off_y), per * (a * off_y - c * off_x)};
-}
-
 /// Memory is taken at construction. One thread at a time.
 class SeenView {
  public:
@@ -44,6 +33,11 @@ class SeenView {
   const SeenRay& ray(std::size_t i) const noexcept { return ray_[i]; }
   /// Misses in px of the ray at depth 0, as rows of eq. (4) for (x, y, z) / scale_mm.
   const DltRowPair& rows(std::size_t i) const noexcept { return row_pair_[i]; }
+  /// All of the last look(), for copies: size() each.
+  const SeenRay* rays_begin() const noexcept { return ray_.data(); }
+  const DltRowPair* rows_begin() const noexcept { return row_pair_.data(); }
+  const double* u_begin() const noexcept { return u_.data(); }
+  const double* v_begin() const noexcept { return v_.data(); }
   /// A point of the ray, and its direction per mm of depth, in the rig's axes, relative to the volume's centre.
   void sight(std::size_t i, Point3& from_mm, Point3& along) const noexcept;
 

@@ -9,6 +9,7 @@
 
 #include "calibration/cameras/camera_model.hpp"
 #include "calibration/space.hpp"
+#include "reconstruct/multi_view/seen_ray_kernel.hpp"
 
 namespace rptv {
 
@@ -17,16 +18,6 @@ struct Volume {
   Point3 from{}, to{};
   Point3 centre() const noexcept { return {(from[0] + to[0]) / 2, (from[1] + to[1]) / 2, (from[2] + to[2]) / 2}; }
 };
-
-/// One pixel's ray in its view's frame, whose origin is the volume's centre: at depth t (mm, away from the camera) it
-/// is at (x + t·dx, y + t·dy), and moves by foot + t·foot_dt (2×2 by rows, mm/px) when column and row do.
-struct SeenRay {
-  double x, y, dx, dy;
-  std::array<double, 4> foot, foot_dt;
-};
-
-/// A central projection of points relative to the volume's centre: (p[0]·(Y, 1), p[1]·(Y, 1)) / p[2]·(Y, 1), px.
-using Projection = std::array<std::array<double, 4>, 3>;
 
 /// Immutable; any thread. Refraction and distortion are in the table, which is made from CameraModel::ray().
 class ViewRays {

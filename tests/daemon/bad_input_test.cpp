@@ -57,6 +57,29 @@ TEST(Binary, prints_the_resolved_configuration_as_one_that_it_takes_back) {
   EXPECT_EQ(run_rapidptv({"check", rig.folder / "again.toml"}).code, 0);
 }
 
+TEST(Binary, says_why_it_cannot_have_the_gpu_that_it_must_have) {
+  const Rig rig;
+  const Said said = run_rapidptv({"run", "--config", rig.config(), "--backend", "cuda"});
+  if (said.code == 0) GTEST_SKIP() << "this machine has a GPU";
+  expect_refusal(said, ExitCode::unavailable,
+                 {"reconstruction.backend = \"cuda\": ", "CUDA", "\"auto\" and \"cpu\" do without"});
+  const Said automatic = run_rapidptv({"run", "--config", rig.config()});
+  EXPECT_EQ(automatic.code, 0) << automatic.err;
+  EXPECT_THAT(automatic.err, HasSubstr("reconstructing on the CPU: "));
+  const Said cpu = run_rapidptv({"run", "--config", rig.config(), "--backend", "cpu"});
+  EXPECT_EQ(cpu.code, 0) << cpu.err;
+  EXPECT_THAT(cpu.err, HasSubstr("reconstructing on the CPU\n"));
+}
+
+TEST(Binary, refuses_a_backend_that_it_does_not_know) {
+  const Rig rig;
+  const Said said = run_rapidptv({"run", "--config", rig.config(), "--backend", "gpu"});
+  EXPECT_EQ(said.code, static_cast<int>(ExitCode::usage));
+  EXPECT_THAT(said.err, HasSubstr("--backend: gpu not in {auto,cuda,cpu}"));
+  expect_refusal(run_rapidptv({"run", "--config", rig.config(), "--set", "reconstruction.backend=gpu"}),
+                 ExitCode::usage, {"reconstruction.backend", "'cuda'"});
+}
+
 TEST(Binary, refuses_assignments_that_fit_no_setting) {
   const Rig rig;
   const auto set = [&](const char* assignment) {

@@ -105,6 +105,48 @@ TEST_F(CalibrateCamerasCommand, takes_names_apart_as_the_pattern_says) {
   EXPECT_LT(norm(centre - inverse(truth).translation_mm), 2);
 }
 
+TEST_F(CalibrateCamerasCommand, takes_one_window_for_all_cameras_or_one_for_each) {
+  const auto with = [&](std::vector<std::string> glass) {
+    std::vector<std::string> words{
+        path("seen"), "--pattern", "cam{camera}_{view}.txt", "--board", path("cube.toml"), "--size", "1280", "1024"};
+    words.insert(words.end(), glass.begin(), glass.end());
+    return calibrate(words);
+  };
+  const auto window = [](const std::string& distance) {
+    return std::vector<std::string>{"--glass", distance, "6", "1.0", "1.0"};  // which bends nothing
+  };
+  std::vector<std::string> each;
+  for (const char* distance : {"700", "cam1:500", "cam3:600"})
+    for (const std::string& word : window(distance)) each.push_back(word);
+
+  expect_refusal(with(window("cam9:700")), ExitCode::usage, "no camera 'cam9'; the first is 'cam0', the last 'cam3'");
+  expect_refusal(with(window("cam1:near")), ExitCode::usage, "--glass: 'near' is no positive number");
+  expect_refusal(with(window("cam1:500")), ExitCode::usage, "camera 'cam0' has no window and others have");
+  std::vector<std::string> twice = each;
+  twice.insert(twice.end(), each.begin(), each.begin() + 5);
+  expect_refusal(with(twice), ExitCode::usage, "--glass 700 is given twice");
+
+  std::vector<std::string> fitted{"--glass", "cam0:700", "6", "1.0", "1.0", "--fit-glass"};
+  for (const char* camera : {"cam1:700", "cam2:700", "cam3:700"})
+    for (const std::string& word : window(camera)) fitted.push_back(word);
+  expect_refusal(with(fitted), ExitCode::usage,
+                 "--fit-glass turns the window that cameras share, and each has its own");
+
+  const Said said = with(each);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("index 1 behind, camera cam3"));
+  const Rig rig = read_rig(path("rig.toml"));
+  const auto distance_mm = [&](std::size_t camera) {
+    const CameraModel& model = rig.cameras[camera].model;
+    const Point3 centre = inverse(model.pose()).translation_mm;
+    return dot(model.stack().normal, centre) - model.stack().interfaces[0].position_mm;
+  };
+  EXPECT_NEAR(distance_mm(0), 700, 1e-6);
+  EXPECT_NEAR(distance_mm(1), 500, 1e-6);
+  EXPECT_NEAR(distance_mm(3), 600, 1e-6);
+  EXPECT_EQ(rig.cameras[2].model.stack().normal, rig.cameras[0].model.stack().normal);
+}
+
 TEST_F(CalibrateCamerasCommand, improves_a_rig_by_a_wand) {
   const BoardRig rod({{-50, 0, 0}, {50, 0, 0}}, 30, 0.05);
   Rig start;

@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/points_table.hpp"
+#include "daemon/live_listener.hpp"
+#include "daemon/session.hpp"
 #include "tests/daemon/run_binary.hpp"
 #include "tests/proto/place.hpp"
 #include "tests/reconstruct/multi_view/camera_frames.hpp"
@@ -12,6 +16,7 @@ namespace rptv {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Two frames of four cameras in a folder, the rig, and the configuration that replays them.
 class PaintedRecording {
@@ -35,6 +40,17 @@ class PaintedRecording {
                      place_.ipc() + "\"\n");
   }
   std::string file(const std::string& name) const { return place_.file(name); }
+  testing::Said check() const { return testing::run_rapidptv({"check", "--config", file("run.toml")}); }
+  /// Every pixel of a camera's first image.
+  void blank(const std::string& camera, int grey) {
+    frames_.fill(0, grey);
+    write_png(place_.file("frames/" + camera + "_0.png"), frames_.set().frames[0].view());
+  }
+  void swap_in_rig(std::size_t one, std::size_t other) {
+    Rig rig = read_rig(file("cameras.toml"));
+    std::swap(rig.cameras[one].name, rig.cameras[other].name);
+    write_rig(rig, place_.file("cameras.toml"));
+  }
 
  private:
   Place place_;
@@ -51,8 +67,9 @@ std::vector<double> depths(const std::string& file) {
 
 TEST(MultiViewRun, gives_the_points_that_reconstruct_gives) {
   const PaintedRecording recording;
-  const auto check = testing::run_rapidptv({"check", "--config", recording.file("run.toml")});
+  const auto check = recording.check();
   EXPECT_EQ(check.code, 0) << check.out << check.err;
+  EXPECT_THAT(check.out, Not(HasSubstr("warning")));
   const auto run =
       testing::run_rapidptv({"run", "--config", recording.file("run.toml"), "--points", recording.file("run.csv")});
   EXPECT_EQ(run.code, 0) << run.err;
@@ -69,6 +86,77 @@ TEST(MultiViewRun, gives_the_points_that_reconstruct_gives) {
   EXPECT_EQ(less.code, 0) << less.err;
   EXPECT_THAT(less.err, HasSubstr("1 images were missing"));
   EXPECT_GT(depths(recording.file("less.csv")).size(), 60U);
+}
+
+TEST(MultiViewRun, by_iteration_gives_them_too_with_and_without_tracks) {
+  const PaintedRecording recording;
+  const std::vector<std::string> iterative{"--config", recording.file("run.toml"), "--set",
+                                           "multi_view.method=iterative"};
+  const auto with = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), iterative.begin(), iterative.end());
+    more.insert(more.begin(), command);
+    const auto said = testing::run_rapidptv(more);
+    EXPECT_EQ(said.code, 0) << said.err;
+    return said.err;
+  };
+  with("run", {"--points", recording.file("tracked.csv")});
+  with("run", {"--points", recording.file("run.csv"), "--set", "multi_view.iterative.use_tracks=false"});
+  EXPECT_THAT(with("reconstruct", {"-o", recording.file("table.csv")}), HasSubstr("reconstructed 2 of 2 instants"));
+  EXPECT_NEAR(static_cast<double>(depths(recording.file("table.csv")).size()), 80, 4);
+  EXPECT_EQ(depths(recording.file("run.csv")), depths(recording.file("table.csv")));
+  EXPECT_NEAR(static_cast<double>(depths(recording.file("tracked.csv")).size()), 80, 4);
+}
+
+TEST(MultiViewRun, is_warned_by_check_of_cameras_that_are_swapped) {
+  PaintedRecording recording;
+  recording.swap_in_rig(1, 2);
+  const auto said = recording.check();
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("warning  reconstruction  3 cameras see 4"));
+  EXPECT_THAT(said.out, HasSubstr("are cameras swapped, or have they moved since the calibration?"));
+}
+
+TEST(MultiViewRun, is_warned_by_check_of_a_camera_whose_images_are_saturated_or_empty) {
+  PaintedRecording recording;
+  recording.blank("cam2", 255);
+  recording.blank("cam3", 0);
+  const auto said = recording.check();
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("camera 'cam2', " + recording.file("frames/cam2_0.png") +
+                                  ": 100 % of the image is saturated; shorten"));
+  EXPECT_THAT(said.out,
+              HasSubstr("camera 'cam3', " + recording.file("frames/cam3_0.png") + ": every pixel is 0; look"));
+  EXPECT_THAT(said.out, Not(HasSubstr("swapped")));
+}
+
+const LossCount* loss_of(const std::vector<LossCount>& losses, LossCause cause) {
+  const auto found = std::find_if(losses.begin(), losses.end(), [cause](const LossCount& loss) {
+    return loss.cause == cause && loss.place == "reconstruction";
+  });
+  return found == losses.end() ? nullptr : &*found;
+}
+
+TEST(MultiViewRun, says_in_status_and_report_what_reconstruction_left_out) {
+  const PaintedRecording recording;
+  Config config = load_config(recording.file("run.toml"), {"multi_view.detector.max_detections=16", "replay.loop=0"});
+  config.publisher.status_period_ms = 50;
+  LiveListener listener(config.publisher.endpoint);
+  Session session(config);
+  session.start();
+  const std::int64_t deadline_ns = host_now_ns() + 60'000'000'000;
+  while (loss_of(listener.status().losses, LossCause::detection_overflow) == nullptr && host_now_ns() < deadline_ns)
+    listener.poll(100);
+  session.stop();
+  const LossCount* told = loss_of(listener.status().losses, LossCause::detection_overflow);
+  ASSERT_NE(told, nullptr);
+  const SessionReport report = session.report();
+  const LossCount* kept = loss_of(report.losses, LossCause::detection_overflow);
+  ASSERT_NE(kept, nullptr);
+  EXPECT_GE(kept->count, told->count);
+  EXPECT_GE(kept->count, report.counts.linked * 4 * 20) << "each view has some 40 particle images and room for 16";
+  EXPECT_THAT(to_text(report), HasSubstr("lost: " + std::to_string(kept->count) + " × detection_overflow at recon"));
+  EXPECT_THAT(to_json(report), HasSubstr(R"({"place":"reconstruction","cause":"detection_overflow","count":)" +
+                                         std::to_string(kept->count) + "}"));
 }
 
 TEST(MultiViewRun, of_one_light_field_says_which_key_to_set) {

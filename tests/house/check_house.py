@@ -25,9 +25,12 @@ MAY_INCLUDE = {
 FOLDERS = set(MAY_INCLUDE) | {"systemd", "docs", "cmake", "scripts"}
 SKIPPED = {"build", "demo-out", "__pycache__", "node_modules"}
 
+CUDA_PLACES = (r"reconstruct/(\w+/)*\w+_cuda\.cu|reconstruct/cuda_\w+\.(cu|hpp)|core/frame_pool\.\w+"
+               r"|tests/cuda_host/.*|tests/.*_cuda_host_test\.cpp")
+
 # Libraries that stay behind one door: header pattern -> where it may be included.
 DOORS = [
-    (r"cuda|cub/|thrust/", r"reconstruct/\w+_cuda\.cu|core/frame_pool\.\w+", "CUDA"),
+    (r"cuda|cub/|thrust/", CUDA_PLACES, "CUDA"),
     (r"arv\.h|aravis", r"acquisition/aravis_\w+\.cpp|tests/acquisition/.*", "Aravis"),
     (r"linux/videodev2\.h", r"acquisition/v4l2_\w+\.cpp|tests/acquisition/.*", "V4L2"),
     (r"libudev\.h", r"acquisition/v4l2_watch\.cpp", "libudev"),
@@ -85,7 +88,7 @@ def check_text(root, path, lines):
         yield 2, "no sentence after the licence line that says what the file is for; write one"
     if len(lines) > LINES.get(suffix, len(lines)):
         yield len(lines), f"{len(lines)} lines; {suffix} files have at most {LINES[suffix]}: split it"
-    if suffix == ".cu" and not re.fullmatch(r"reconstruct/\w+_cuda\.cu", name):
+    if suffix == ".cu" and not re.fullmatch(CUDA_PLACES, name):
         yield 1, "CUDA source outside reconstruct/*_cuda.cu; move it"
     for number, line in enumerate(lines, 1):
         if LEFTOVERS.search(line):
@@ -94,8 +97,8 @@ def check_text(root, path, lines):
             yield number, "a path of one particular machine; make it relative or an option"
         if suffix not in {".hpp", ".cpp", ".cu"}:
             continue
-        if CUDA_CODE.search(line) and not re.fullmatch(DOORS[0][1], name):
-            yield number, f"CUDA code; it may appear only in {DOORS[0][1]}"
+        if CUDA_CODE.search(line) and not re.fullmatch(CUDA_PLACES, name):
+            yield number, f"CUDA code; it may appear only in {CUDA_PLACES}"
         if match := INCLUDE.match(line):
             for what in check_include(root, path, *match.groups()):
                 yield number, what

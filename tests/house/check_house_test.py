@@ -38,6 +38,8 @@ class House(unittest.TestCase):
         self.write("viewer/gateway.cpp", HEAD + '#include "rapidptv.pb.h"\n')
         self.write("core/frame_pool.cpp", HEAD + "#include <cuda_runtime.h>\n")
         self.write("reconstruct/light_field_cuda.cu", HEAD + "__global__ void count();\n")
+        self.write("reconstruct/light_field/ray_count_cuda.cu", HEAD + "__global__ void count();\n")
+        self.write("reconstruct/cuda_probe.cu", HEAD + "#include <cuda_runtime.h>\n")
         self.write("core/long.cpp", HEAD + "\n" * 248)
         inner = "/" + "work/x"  # below another folder it is nobody's path
         self.write("README.md", f"Run `build{inner}` or $HOME{inner}.\n")

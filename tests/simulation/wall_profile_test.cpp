@@ -80,6 +80,27 @@ TEST(WallProfile, states_errors_that_cover_noisy_tracks) {
   EXPECT_NEAR(profile.stokes_layer_mm, 1.0, 0.01);
 }
 
+// Off the axis an error of depth moves a particle along its line of sight: 20 um of depth by 1 um of x.
+TEST(WallProfile, takes_what_depth_errors_do_to_x_out_of_it) {
+  const auto scenario = scene();
+  auto rows = true_tracks(scenario, 1e-4), level = rows;
+  Random random(4, 4);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double error_mm = 0.02 * static_cast<double>(normal_table()[random.bits() & 0xffff]);
+    rows[i].z_mm += error_mm, rows[i].x_mm += 0.05 * error_mm;
+    level[i].x_mm += 0.05 * error_mm;  // the same, and nobody tells
+  }
+  const auto profile = measure_wall_profile(rows, scenario.flow), untold = measure_wall_profile(level, scenario.flow);
+  ASSERT_EQ(profile.bins.size(), untold.bins.size());
+  int covered = 0;
+  for (std::size_t k = 0; k < profile.bins.size(); ++k) {
+    const auto& bin = profile.bins[k];
+    EXPECT_LT(bin.amplitude_sigma_mm, 0.2 * untold.bins[k].amplitude_sigma_mm);
+    covered += std::abs(bin.amplitude_mm - bin.theory_amplitude_mm) < 3 * bin.amplitude_sigma_mm;
+  }
+  EXPECT_GE(covered, static_cast<int>(profile.bins.size()) - 1);
+}
+
 TEST(WallProfile, takes_time_from_the_frame_rate_when_tracks_have_none) {
   const auto scenario = scene();
   auto rows = true_tracks(scenario);

@@ -31,7 +31,8 @@ struct BoardRig {
   BoardSet set;
 
   explicit BoardRig(std::vector<Point3> target_mm, std::size_t views = 10, double noise_px = 0.005,
-                    double tilt_rad = 0.6, const RefractiveStack& stack = {}) {
+                    double tilt_rad = 0.6, const RefractiveStack& stack = {},
+                    const std::vector<RefractiveStack>& windows = {}) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> any(-1, 1);
     std::normal_distribution<double> noise(0, 1);
@@ -55,11 +56,11 @@ struct BoardRig {
       truth.targets.push_back(CameraPose{rotation, at - rotation * centre});
       set.views.push_back(std::to_string(v));
     }
-    truth.stack = stack;
+    truth.stack = stack, truth.windows = windows;
     set.target_mm = std::move(target_mm);
     for (std::size_t c = 0; c < truth.cameras.size(); ++c)
       for (std::size_t v = 0; v < views; ++v) {
-        const CameraModel model(truth.lenses[c], truth.cameras[c], stack);
+        const CameraModel model(truth.lenses[c], truth.cameras[c], stack_of(truth, c));
         BoardView image{c, v, set.cameras[c].name + "_" + set.views[v], {}};
         for (std::size_t k = 0; k < set.target_mm.size(); ++k)
           if (const auto at =

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "calibration/cameras/bundle.hpp"
 #include "calibration/cameras/camera_graph.hpp"
 #include "calibration/space_algebra.hpp"
 #include "tests/calibration/cameras/sample_cameras.hpp"
@@ -17,22 +18,31 @@ struct Drawn {
   PoseParameters camera{}, target{};
   StackParameters move{};
   RefractiveStack stack;
+  bool in_camera = false;
   Point3 point{};
 
   /// Pixel where the point is seen.
   bool project(Pixel& pixel, ProjectionDerivatives* derivatives = nullptr) const {
     const BrownDistortion distortion = distortion_of(lens);
-    return BundleProjection{lens, camera, target, &stack, move, &distortion}.project(point, pixel, derivatives);
+    return BundleProjection{lens, camera, target, &stack, move, &distortion, in_camera}.project(point, pixel,
+                                                                                                derivatives);
   }
 };
 
-Drawn draw(bool tank) {
+/// `own`: the walls are given in the camera's frame.
+Drawn draw(bool tank, bool own = false) {
   Drawn d;
   d.lens = parameters_of(drawn_lens());
   d.camera = parameters_of(drawn_pose());
   for (std::size_t k = 0; k < 6; ++k) d.target[k] = *real(-1, 1) * (k < 3 ? 0.8 : 10);
   if (tank) {
     d.stack = drawn_tank();
+    if (own) {
+      const CameraPose pose = pose_of(d.camera);
+      d.in_camera = true;
+      d.stack.normal = pose.rotation * d.stack.normal;
+      for (auto& interface : d.stack.interfaces) interface.position_mm += dot(d.stack.normal, pose.translation_mm);
+    }
     d.move = {*real(-0.05, 0.05), *real(-0.05, 0.05), *real(-3, 3)};
   }
   d.point = {*real(-30, 30), *real(-30, 30), *real(-10, 10)};
@@ -42,8 +52,11 @@ Drawn draw(bool tank) {
 void agrees_with_the_model(const Drawn& d) {
   CameraIntrinsics like;
   like.width_px = 1280, like.height_px = 1024;
-  const CameraModel model(lens_of(d.lens, like), pose_of(d.camera),
-                          d.stack.interfaces.empty() ? d.stack : moved(d.stack, d.move));
+  const RefractiveStack walls = d.stack.interfaces.empty() ? d.stack : moved(d.stack, d.move);
+  Bundle bundle;
+  bundle.cameras = {pose_of(d.camera)};
+  (d.in_camera ? bundle.windows.emplace_back() : bundle.stack) = walls;
+  const CameraModel model(lens_of(d.lens, like), bundle.cameras[0], stack_of(bundle, 0));
   const CameraPose target = pose_of(d.target);
   const auto expected = model.project(target.rotation * d.point + target.translation_mm);
   Pixel pixel;
@@ -80,7 +93,7 @@ void derivatives_are_right(const Drawn& d) {
 }
 
 RC_GTEST_PROP(BundleProjection, sees_what_the_camera_model_sees, ()) {
-  agrees_with_the_model(draw(*rc::gen::arbitrary<bool>()));
+  agrees_with_the_model(draw(*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()));
 }
 
 RC_GTEST_PROP(BundleProjection, has_the_derivatives_that_differences_show_in_air, ()) {
@@ -89,6 +102,10 @@ RC_GTEST_PROP(BundleProjection, has_the_derivatives_that_differences_show_in_air
 
 RC_GTEST_PROP(BundleProjection, has_the_derivatives_that_differences_show_behind_glass, ()) {
   derivatives_are_right(draw(true));
+}
+
+RC_GTEST_PROP(BundleProjection, has_the_derivatives_that_differences_show_behind_a_window_of_its_own, ()) {
+  derivatives_are_right(draw(true, true));
 }
 
 RC_GTEST_PROP(BundleProjection, keeps_poses_through_their_parameters, ()) {

@@ -99,6 +99,24 @@ TEST(CalibrateCameras, finds_the_glass_of_a_tank) {
   expect_poses(rig, fitted.result.bundle, 0.1, 2);
 }
 
+TEST(CalibrateCameras, takes_a_window_of_each_camera) {
+  std::vector<RefractiveStack> windows;
+  for (const double distance_mm : {700.0, 720.0, 690.0, 735.0})
+    windows.push_back({{0, 0, -1}, {1.0}, {{-distance_mm, {1.46}}, {-distance_mm - 8, {1.33}}}});
+  const BoardRig rig(small_board().points(), 8, 0.01, 0.6, {}, windows);
+  CameraCalibrationOptions options;
+  options.windows = windows;
+  const auto told = calibrate_cameras(rig.set, options);
+  EXPECT_LT(told.result.sigma_px, 0.0102);
+  expect_poses(rig, told.result.bundle, 0.1, 2);
+  EXPECT_EQ(told.result.bundle.windows[2].interfaces[0].position_mm, -690);
+  const CameraModel& third = told.rig.cameras[2].model;
+  EXPECT_LT(norm(third.stack().normal + third.pose().rotation[2]), 1e-12) << "across its axis";
+
+  options.windows.clear(), options.stack = windows[0];
+  EXPECT_GT(calibrate_cameras(rig.set, options).result.sigma_px, 2 * told.result.sigma_px) << "one for all";
+}
+
 std::string why_not(const BoardSet& set) {
   return refusal_of([&] { calibrate_cameras(set, {}); });
 }

@@ -25,6 +25,9 @@ TEST(LightField, survives_a_blinding_frame_and_counts_what_it_left_out) {
   light_field.reconstruct(blinding.view(), found);
   EXPECT_EQ(light_field.counts().refused_pixels, 512U * 384U - 20000U);
   EXPECT_GT(light_field.counts().refused_candidates, 0U);
+  EXPECT_EQ(light_field.losses().of(LossCause::ray_overflow), light_field.counts().refused_pixels);
+  EXPECT_EQ(light_field.losses().of(LossCause::candidate_overflow), light_field.counts().refused_candidates);
+  EXPECT_EQ(light_field.losses().of(LossCause::particle_overflow), light_field.counts().refused_particles);
   const auto truth = testing::scatter(5, 1.5, 1.0, -15, 10, 0.9, 3);
   light_field.reconstruct(paint(truth).view(), found);
   EXPECT_EQ(found.size(), 5U);
@@ -40,6 +43,7 @@ TEST(LightField, refuses_images_that_are_not_its_own) {
   light_field.reconstruct(FrameSet{}, found);
   light_field.reconstruct(ImageView{}, found);
   EXPECT_EQ(light_field.counts().refused_frames, 3U);
+  EXPECT_EQ(light_field.losses().of(LossCause::frame_refused), 3U);
   EXPECT_EQ(light_field.counts().frames, 0U);
 }
 

@@ -1,44 +1,17 @@
 // SPDX-License-Identifier: MIT
 // The fast ray counter against the plain loops, bit for bit, with every instruction set that this machine has.
 #include <gtest/gtest.h>
-#include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
-
-#include <limits>
-#include <random>
 
 #include "reconstruct/light_field/ray_counter.hpp"
 #include "tests/core/instruction_sets.hpp"
+#include "tests/reconstruct/light_field/any_rays.hpp"
 #include "tests/reconstruct/light_field/ray_count_oracle.hpp"
 
 namespace rptv {
 namespace {
 
-struct Case {
-  VoxelGrid grid;
-  Rays rays{0, 1};
-};
-
-// Rays in and far outside of the volume, steep and flat, some of them many times over, one that is no number.
-Case any_case() {
-  using rc::gen::inRange;
-  Case any;
-  any.grid.size_x = *inRange(1, 80), any.grid.size_y = *inRange(1, 60), any.grid.planes = *inRange(1, 40);
-  any.grid.step_x_mm = 0.125F, any.grid.step_y_mm = 0.11F, any.grid.step_z_mm = 0.7F, any.grid.first_z_mm = -9;
-  std::mt19937 random(*inRange(0U, 1U << 30));
-  std::uniform_real_distribution<float> at(-4, 14), slope(-0.3F, 0.3F);
-  const auto count = *inRange<std::size_t>(0, 3000);
-  const auto repeats = *inRange<std::size_t>(1, 60);
-  const auto flatness = *rc::gen::element(0.0F, 0.01F, 0.1F, 1.0F);
-  any.rays = Rays(count, 1);
-  for (std::size_t i = 0; i < count; ++i)
-    any.rays.ray[i] = i % repeats != 0
-                          ? any.rays.ray[i - 1]
-                          : Ray{at(random), at(random), flatness * slope(random), flatness * slope(random)};
-  if (count > 5) any.rays.ray[5].slope_x = std::numeric_limits<float>::quiet_NaN();
-  any.rays.size = any.rays.pixels = count;
-  return any;
-}
+using testing::AnyRays;
 
 void expect_marks(const RayCounter& counter, const testing::Counts& counts, std::uint16_t least) {
   const auto plane = static_cast<std::size_t>(counter.grid().plane_size());
@@ -56,7 +29,7 @@ void expect_equal(const RayCounter& counter, const testing::Counts& counts) {
 }
 
 RC_GTEST_PROP(RayCounter, equals_the_plain_loops_bit_for_bit, ()) {
-  const Case any = any_case();
+  const AnyRays any = testing::any_rays();
   const auto least = *rc::gen::inRange<std::uint16_t>(1, 40);
   testing::Counts by_rays, by_planes;
   testing::count_ray_major(any.grid, any.rays, by_rays);
@@ -73,7 +46,7 @@ RC_GTEST_PROP(RayCounter, equals_the_plain_loops_bit_for_bit, ()) {
 }
 
 RC_GTEST_PROP(RayCounter, leaves_out_taken_rays_with_every_instruction_set, ()) {
-  Case any = any_case();
+  AnyRays any = testing::any_rays();
   std::vector<std::uint8_t> taken(any.rays.size);
   Rays free(any.rays.capacity(), 1);
   for (std::size_t i = 0; i < any.rays.size; ++i) {
@@ -90,7 +63,7 @@ RC_GTEST_PROP(RayCounter, leaves_out_taken_rays_with_every_instruction_set, ()) 
 }
 
 TEST(RayCounter, equals_the_plain_loops_in_planes_too_large_for_the_cache) {
-  Case large;
+  AnyRays large;
   large.grid.size_x = 700, large.grid.size_y = 301, large.grid.planes = 19, large.grid.first_z_mm = -9;
   large.rays = Rays(20000, 1);
   std::mt19937 random(4);

@@ -74,6 +74,9 @@ TEST_F(MultiViewOfPaintedImages, goes_on_without_a_view_that_is_missing_and_coun
   EXPECT_EQ(found_.size(), 0U);
   EXPECT_EQ(multi_view_.counts().refused_views, 3U);
   EXPECT_EQ(multi_view_.counts().too_few_views, 1U);
+  EXPECT_EQ(multi_view_.losses().of(LossCause::view_refused), 3U);
+  EXPECT_EQ(multi_view_.losses().of(LossCause::too_few_views), 1U);
+  EXPECT_EQ(multi_view_.losses().total(), 4U);
 }
 
 TEST_F(MultiViewOfPaintedImages, counts_a_set_of_another_number_of_cameras) {
@@ -82,6 +85,7 @@ TEST_F(MultiViewOfPaintedImages, counts_a_set_of_another_number_of_cameras) {
   frames_.set().cameras = 4;
   EXPECT_EQ(found_.size(), 0U);
   EXPECT_EQ(multi_view_.counts().refused_frames, 1U);
+  EXPECT_EQ(multi_view_.losses().of(LossCause::frame_refused), 1U);
 }
 
 TEST_F(MultiViewOfPaintedImages, finds_nothing_in_empty_or_saturated_images) {
@@ -98,6 +102,22 @@ TEST_F(MultiViewOfPaintedImages, cuts_and_counts_what_its_capacity_does_not_hold
   EXPECT_EQ(few.size(), 10U);
   EXPECT_EQ(multi_view_.counts().refused_particles, few.overflow());
   EXPECT_GT(few.overflow(), 30U);
+}
+
+TEST_F(MultiViewOfPaintedImages, tells_by_cause_what_there_was_no_room_for) {
+  EXPECT_EQ(multi_view_.losses().total(), 0U);
+  MultiViewSettings settings = settings_of_test();
+  settings.detector.max_detections = 20, settings.max_matches = 5;
+  MultiView small(settings, scene_.rig, frames_.views("view", 0));
+  for (int frame = 1; frame <= 2; ++frame) {
+    small.reconstruct(frames_.set(), found_);
+    EXPECT_EQ(small.losses().of(LossCause::detection_overflow), small.counts().refused_detections);
+    EXPECT_EQ(small.losses().of(LossCause::match_overflow), small.correspondence_counts().refused_matches);
+    EXPECT_EQ(small.losses().of(LossCause::search_cut), small.correspondence_counts().unsearched);
+    EXPECT_GT(small.losses().of(LossCause::detection_overflow), 100U * static_cast<unsigned>(frame));
+  }
+  EXPECT_GT(small.losses().of(LossCause::match_overflow) + small.losses().of(LossCause::search_cut), 0U);
+  EXPECT_EQ(small.losses().of(LossCause::particle_overflow), 0U) << "counted by who gave the room";
 }
 
 std::string refusal(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras) {

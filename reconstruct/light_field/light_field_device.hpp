@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// What a GPU may do of the light-field chain: everything that is per pixel, per ray or per voxel.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/image.hpp"
+#include "reconstruct/light_field/pixels_to_rays.hpp"
+#include "reconstruct/light_field/voxel_cloud.hpp"
+#include "reconstruct/lit_pixels.hpp"
+
+namespace rptv {
+
+/// The first steps of LightField on another processor, with the same results bit for bit. Set-up takes all memory. One
+/// thread calls; every call returns when it is done, and is false when the device fails: LightField then goes on with
+/// the CPU and does not ask again.
+class LightFieldDevice {
+ public:
+  virtual ~LightFieldDevice() = default;
+
+  /// Reconstructor::page_lock().
+  virtual bool page_lock(std::span<std::byte> memory) noexcept = 0;
+  /// The limits of the images to come, of as many pixels.
+  virtual bool set_limit(const DarkLimit& limit) noexcept = 0;
+  /// find_lit_pixels() with those limits; `found` becomes what it returns.
+  virtual bool find_lit_pixels(const ImageView& image, std::span<std::uint32_t> lit, std::size_t& found) noexcept = 0;
+  /// PixelsToRays::convert(); `refused` becomes what it returns. `lit` is what find_lit_pixels() gave, or part of it.
+  virtual bool find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept = 0;
+  /// RayCounter::count() with the rays of the last find_rays(), and CoarseMaxima::find(); `refused` becomes what it
+  /// returns. `taken` has a value for each ray.
+  virtual bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least,
+                               std::vector<Candidate>& candidates, std::size_t& refused) noexcept = 0;
+};
+
+/// What a device is set up for; the references live as long as it does.
+struct LightFieldDevicePlan {
+  const ImageShape& shape;
+  const LensletLattice& lattice;
+  const PixelsToRays& pixels_to_rays;
+  const VoxelGrid& grid;
+  std::size_t max_rays, max_candidates;
+  std::size_t threads;  ///< that the CPU would take
+};
+
+/// Throws Error(unavailable) when the device cannot be used.
+using MakeLightFieldDevice = std::function<std::unique_ptr<LightFieldDevice>(const LightFieldDevicePlan&)>;
+
+}  // namespace rptv
