@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "calibration/space_algebra.hpp"
 #include "core/error.hpp"
@@ -125,18 +127,25 @@ std::vector<PartSighting> sightings_of(const Rig& rig, const DisparityMaps& maps
   return seen;
 }
 
-void check_enough(const Rig& rig, const DisparityMaps& maps, const std::vector<PartSighting>& seen,
-                  const std::string& origin) {
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    const auto parts = static_cast<std::size_t>(
-        std::count_if(seen.begin(), seen.end(), [&](const PartSighting& s) { return s.camera == c; }));
-    if (parts < kLeastParts)
-      throw Error(
-          ExitCode::bad_data,
-          fmt::format("{}: camera {} has a clear disparity within {:.3g} px in {} of {} parts of the volume and "
-                      "needs {}; give more images, search farther, or cut the volume into fewer parts",
-                      origin, in_quotes(rig.cameras[c].name), maps.radius_px(), parts, maps.grid().size(),
-                      kLeastParts));
+/// The first camera with fewer than kLeastParts sightings and how many it has; none: all have enough.
+std::optional<std::pair<std::size_t, std::size_t>> blind_camera(const std::vector<PartSighting>& seen,
+                                                                std::size_t cameras) {
+  for (std::size_t c = 0; c < cameras; ++c) {
+    const auto parts = std::count_if(seen.begin(), seen.end(), [&](const PartSighting& s) { return s.camera == c; });
+    if (static_cast<std::size_t>(parts) < kLeastParts) return {{c, static_cast<std::size_t>(parts)}};
+  }
+  return {};
+}
+
+/// Of the first round: where chance drowns what is looked for far away, it is looked for nearer by.
+DisparityMaps first_maps(const Rig& rig, const DisparityGrid& grid, double& search_px, double finest_px,
+                         const GatherDisparities& gather) {
+  for (;;) {
+    DisparityMaps maps(grid, rig.cameras.size(), search_px);
+    gather(rig, maps);
+    std::vector<Point3> points;
+    if (search_px <= finest_px || !blind_camera(sightings_of(rig, maps, points), rig.cameras.size())) return maps;
+    search_px = std::max(0.6 * search_px, finest_px);
   }
 }
 
@@ -179,7 +188,12 @@ Rig corrected_rig(const Rig& rig, const Rig& start, const DisparityMaps& maps, C
                   const std::string& origin) {
   std::vector<Point3> points;
   const auto seen = sightings_of(rig, maps, points);
-  check_enough(rig, maps, seen, origin);
+  if (const auto blind = blind_camera(seen, rig.cameras.size()))
+    throw Error(ExitCode::bad_data,
+                fmt::format("{}: camera {} has a clear disparity within {:.3g} px in {} of {} parts of the volume and "
+                            "needs {}; give more images, search farther, or cut the volume into fewer parts",
+                            origin, in_quotes(rig.cameras[blind->first].name), maps.radius_px(), blind->second,
+                            maps.grid().size(), kLeastParts));
   const Point3 middle = 0.5 * (maps.grid().from_mm + maps.grid().to_mm);
   TurnedCameras cameras;
   for (const RigCamera& camera : start.cameras) {
@@ -199,8 +213,9 @@ SelfCalibration self_calibrate(const Rig& start, const DisparityGrid& grid, cons
   SelfCalibration result{start, {}, {}};
   double search_px = std::max(options.search_px, options.finest_px);
   for (std::size_t round = 0; round <= options.rounds; ++round) {
-    DisparityMaps maps(grid, start.cameras.size(), search_px);
-    gather(result.rig, maps);
+    DisparityMaps maps = round == 0 ? first_maps(start, grid, search_px, options.finest_px, gather)
+                                    : DisparityMaps(grid, start.cameras.size(), search_px);
+    if (round > 0) gather(result.rig, maps);
     auto& summaries = round == 0 ? result.before : result.after;
     summaries.clear();
     for (std::size_t c = 0; c < start.cameras.size(); ++c) summaries.push_back(maps.summary(c));

@@ -38,8 +38,10 @@ struct SelfCalibration {
 /// Adds the disparities of particles, triangulated by `rig`, up to maps.radius_px() to the empty `maps`.
 using GatherDisparities = std::function<void(const Rig& rig, DisparityMaps& maps)>;
 
-/// Gathers and corrects, round by round, and gathers once more for `after`. Throws Error(bad_data) as corrected_rig()
-/// does, and when the worst camera is no better after than before; what `gather` throws goes through. Set-up only.
+/// Gathers and corrects, round by round, and gathers once more for `after`. Where too few parts have a peak in the
+/// first round, it is repeated with six tenths of the search, down to the finest. Throws Error(bad_data) as
+/// corrected_rig() does, and when the worst camera is no better after than before; what `gather` throws goes through.
+/// Set-up only.
 SelfCalibration self_calibrate(const Rig& start, const DisparityGrid& grid, const SelfCalibrationOptions& options,
                                const GatherDisparities& gather, const std::string& origin);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `rapidptv calibrate`: cameras, lenslets, volume, wand, and rigs of other programs.
+// `rapidptv calibrate`: cameras, lenslets, volume, wand, particles, and rigs of other programs.
 #include "daemon/commands/calibrate.hpp"
 
 namespace rptv {
@@ -13,12 +13,14 @@ void add_calibrate(Command app, Action& chosen) {
       "  rapidptv calibrate lenslets white.png --start sheet.toml -o cal.toml\n"
       "  rapidptv calibrate volume pairs.csv --calibration cal.toml -o volume.toml\n"
       "  rapidptv calibrate wand ends/ --start rig.toml --length 100 -o better.toml\n"
+      "  rapidptv calibrate refine frames/ --start rig.toml -o better.toml\n"
       "  rapidptv calibrate import openptv test_cavity -o rig.toml");
   add_calibrate_cameras(command, chosen);
   add_calibrate_lenslets(command, chosen);
   add_calibrate_volume(command, chosen);
   add_calibrate_points(command, chosen);
   add_calibrate_wand(command, chosen);
+  add_calibrate_refine(command, chosen);
   add_calibrate_import(command, chosen);
   add_calibrate_export(command, chosen);
 }

@@ -14,6 +14,7 @@ void add_calibrate_lenslets(Command calibrate, Action& chosen);
 void add_calibrate_volume(Command calibrate, Action& chosen);
 void add_calibrate_points(Command calibrate, Action& chosen);
 void add_calibrate_wand(Command calibrate, Action& chosen);
+void add_calibrate_refine(Command calibrate, Action& chosen);
 void add_calibrate_import(Command calibrate, Action& chosen);
 void add_calibrate_export(Command calibrate, Action& chosen);
 

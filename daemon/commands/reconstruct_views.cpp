@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <deque>
 #include <filesystem>
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/instants.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/multi_view/iterative_views.hpp"
@@ -20,40 +20,6 @@ namespace rptv {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The images of one instant at a time, as a source would deliver them.
-class Instants {
- public:
-  explicit Instants(const std::vector<ImageSequence>& cameras) {
-    set_.cameras = static_cast<std::uint32_t>(cameras.size());
-    for (const ImageSequence& camera : cameras) {
-      pools_.emplace_back(1, camera.shape().bytes());
-      readers_.emplace_back(camera);
-      set_.frames[pools_.size() - 1].shape = camera.shape();
-    }
-  }
-  ~Instants() { set_.reset(); }
-  Instants(const Instants&) = delete;
-  Instants& operator=(const Instants&) = delete;
-
-  /// A camera without an image of this instant has a frame without pixels.
-  const FrameSet& load(const Timeline& timeline, std::size_t instant) {
-    for (std::size_t c = 0; c < pools_.size(); ++c) {
-      Frame& frame = set_.frames[c];
-      frame.lease.reset();
-      const std::size_t image = timeline.shots[c][instant].image;
-      if (image == Shot::kNone) continue;
-      frame.lease = pools_[c].claim();
-      readers_[c].decode(image, {frame.lease.get(), frame.shape.bytes()});
-    }
-    return set_;
-  }
-
- private:
-  std::deque<FramePool> pools_;
-  std::deque<ImageSequence::Reader> readers_;
-  FrameSet set_;
-};
 
 /// What both kinds of counts have.
 template <class Counts>
@@ -103,11 +69,8 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   const auto cameras = open_cameras(config.replay.path, config.replay.pattern);
   const bool timed = config.replay.rate_hz > 0 || fs::exists(fs::path(config.replay.path) / "frames.csv");
   const Timeline timeline = make_timeline(config.replay.path, cameras, timed ? config.replay.rate_hz : 1, -1);
-  std::vector<CameraInfo> infos;
-  for (const ImageSequence& camera : cameras)
-    infos.push_back({camera.camera(), camera.shape(), camera.significant_bits()});
   std::string where;
-  const auto stage = make_reconstructor(config, infos, &where);
+  const auto stage = make_reconstructor(config, infos_of(cameras), &where);
   std::cerr << where << '\n';
   PointsWriter points(output, {.covariance = true, .ghost = true, .time = timed});
   Particles particles(config.max_particles());

@@ -7,15 +7,16 @@
 #include <random>
 
 #include "calibration/space_algebra.hpp"
+#include "reconstruct/multi_view/agreeing_sets.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
 
 namespace rptv {
 namespace {
 
 constexpr double kBeyond = 1.1;  // of the maps' radius: none of the sets that vote in them is missed
-constexpr double kDensest =
-    0.03;  // images a square pixel at a radius of 1 px; by trial: chance stays within what shows
-constexpr double kSigma_px = 0.1;  // of every detection: all weigh the same
+constexpr std::size_t kMostSets = std::size_t{1} << 19;  // kept of all frames, shared out among the parts
+constexpr double kDensest = 0.04;                        // images a square pixel at a radius of 1 px, by trial
+constexpr double kSigma_px = 0.1;                        // of every detection: all weigh the same
 
 std::size_t most_detections(std::span<const ParticleImages> frames) {
   std::size_t most = 1;
@@ -48,6 +49,20 @@ void choose(std::vector<ParticleImage> view, double radius_px, std::mt19937& ran
   for (const ParticleImage& image : view) seen.push({image.at_px[0], image.at_px[1], kSigma_px});
 }
 
+SetDisparities disparities_of(const Rig& rig, std::span<const Detections> seen, const ViewMatch& match,
+                              const Point3& centre_mm) {
+  SetDisparities set{centre_mm + match.at_mm, 0, {}};
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    const std::uint32_t i = match.tuple.detection[c];
+    if (i == kUnseen) continue;
+    const auto pixel = rig.cameras[c].model.project(set.at_mm);
+    if (!pixel) continue;
+    set.views |= 1U << c;
+    set.px[c] = {static_cast<float>((*pixel)[0] - seen[c].x_px[i]), static_cast<float>((*pixel)[1] - seen[c].y_px[i])};
+  }
+  return set;
+}
+
 }  // namespace
 
 ParticleImages images_of(std::span<const Detections> seen) {
@@ -68,22 +83,24 @@ std::uint64_t gather_disparities(const Rig& rig, const DisparitySearch& search, 
                                 {search.min_views, kBeyond * maps.radius_px(), most, search.most_matches});
   std::vector<Detections> seen;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) seen.emplace_back(most);
+  std::vector<std::vector<SetDisparities>> parts(maps.grid().size());
+  const std::size_t room = kMostSets / parts.size();
   std::mt19937 random(1);
-  std::uint64_t added = 0;
-  const Point3 centre = search.volume.centre();
   for (const ParticleImages& frame : frames) {
     for (std::size_t c = 0; c < seen.size(); ++c) choose(frame[c], maps.radius_px(), random, seen[c]);
     for (const ViewMatch& match : correspondence.match(seen)) {
-      const Point3 at = centre + match.at_mm;
-      for (std::size_t c = 0; c < seen.size(); ++c) {
-        const std::uint32_t i = match.tuple.detection[c];
-        if (i == kUnseen) continue;
-        if (const auto pixel = rig.cameras[c].model.project(at))
-          maps.add(c, at, {(*pixel)[0] - seen[c].x_px[i], (*pixel)[1] - seen[c].y_px[i]});
-      }
-      ++added;
+      const SetDisparities set = disparities_of(rig, seen, match, search.volume.centre());
+      const auto part = maps.grid().part_of(set.at_mm);
+      if (part && parts[*part].size() < room) parts[*part].push_back(set);
     }
   }
+  std::uint64_t added = 0;
+  for (auto& sets : parts)
+    for (const SetDisparities& set : agreeing_sets(sets, maps.radius_px())) {
+      for (std::size_t c = 0; c < seen.size(); ++c)
+        if ((set.views >> c & 1U) != 0) maps.add(c, set.at_mm, {set.px[c][0], set.px[c][1]});
+      ++added;
+    }
   return added;
 }
 

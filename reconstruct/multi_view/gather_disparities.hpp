@@ -28,11 +28,11 @@ struct DisparitySearch {
   std::size_t most_matches = 65536;
 };
 
-/// Triangulates every set of detections whose reprojection errors are within 1.1 maps.radius_px() and adds its
-/// disparities. No set is chosen over another: that would prefer small disparities (Wieneke 2008). Where images lie so
-/// close that chance would drown the true sets, only the brightest of each view are taken: 0.03 / radius^1.25 a square
-/// pixel (radius in px) of the box that they fill. Returns how many sets were added. Throws Error(configuration) as
-/// ViewRays and Correspondence do. Set-up only.
+/// Triangulates every set of detections whose reprojection errors are within 1.1 maps.radius_px() and adds the
+/// disparities of those that agree within their part (agreeing_sets). No set is chosen for being small: that would hide
+/// what is sought (Wieneke 2008). Where images lie close, only the brightest of each view are taken: 0.04 /
+/// radius^1.25 a square pixel (radius in px) of the box that they fill. Returns how many sets were added. Throws
+/// Error(configuration) as ViewRays and Correspondence do. Set-up only.
 std::uint64_t gather_disparities(const Rig& rig, const DisparitySearch& search, std::span<const ParticleImages> frames,
                                  DisparityMaps& maps);
 

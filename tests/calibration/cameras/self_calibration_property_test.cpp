@@ -101,7 +101,7 @@ TEST(SelfCalibrationProperty, a_rig_that_gets_no_better_is_refused) {
               }),
               HasSubstr("keep this rig"));
   EXPECT_THAT(why_not([](const Rig&, DisparityMaps&) {}),
-              HasSubstr("camera 'cam0' has a clear disparity within 5 px in "
+              HasSubstr("camera 'cam0' has a clear disparity within 1 px in "
                         "0 of 18 parts of the volume and needs 6"));
 }
 
