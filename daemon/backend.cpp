@@ -4,11 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <iostream>
-
 #include "core/error.hpp"
 #include "reconstruct/light_field/light_field_cuda.hpp"
-#include "reconstruct/light_field/light_field_device_check.hpp"
 
 namespace rptv {
 
@@ -25,40 +22,57 @@ std::string obstacle(const Config& config, const CudaProbe& probe) {
   return {};
 }
 
-std::unique_ptr<LightFieldDevice> make_checked_device(const LightFieldDevicePlan& plan) {
-  auto device = make_light_field_cuda(plan);
-  const std::string differs = disagreement(*device, plan);
-  if (differs.empty()) return device;
-  throw Error(ExitCode::unavailable,
-              "CUDA: the device does not repeat what the CPU makes of a test image (" + differs +
-                  "); take reconstruction.backend = \"cpu\" and report this with the output of nvidia-smi");
-}
+Backend on_the_cpu(const std::string& reason) { return {false, "reconstructing on the CPU: " + reason}; }
 
-std::unique_ptr<LightFieldDevice> make_device_or_none(const LightFieldDevicePlan& plan) {
-  try {
-    return make_checked_device(plan);
-  } catch (const Error& error) {
-    std::cerr << "warning: reconstructing on the CPU: " << error.what() << '\n';
-    return nullptr;
-  }
+const CudaProbe& this_machine() {
+  static const CudaProbe probe = probe_cuda();
+  return probe;
 }
 
 }  // namespace
 
 Backend choose_backend(const Config& config, const CudaProbe& probe) {
   const std::string& wanted = config.reconstruction.backend;
-  if (wanted == "cpu") return {nullptr, "reconstructing on the CPU"};
+  if (wanted == "cpu") return {false, "reconstructing on the CPU"};
   const std::string why_not = obstacle(config, probe);
-  if (why_not.empty())
-    return {wanted == "cuda" ? make_checked_device : make_device_or_none, "reconstructing on " + probe.text};
-  if (wanted == "auto") return {nullptr, "reconstructing on the CPU: " + why_not};
+  if (why_not.empty()) return {true, "reconstructing on " + probe.text};
+  if (wanted == "auto") return on_the_cpu(why_not);
   throw Error(ExitCode::unavailable,
               "reconstruction.backend = \"cuda\": " + why_not + "; \"auto\" and \"cpu\" do without");
 }
 
 Backend choose_backend(const Config& config) {
-  static const CudaProbe probe = probe_cuda();
-  return choose_backend(config, config.reconstruction.backend == "cpu" ? CudaProbe{} : probe);
+  return choose_backend(config, config.reconstruction.backend == "cpu" ? CudaProbe{} : this_machine());
+}
+
+Backend judge(const Config& config, const std::string& device, const DeviceTrial& trial) {
+  const bool must = config.reconstruction.backend == "cuda";
+  if (!trial.differs.empty()) {
+    const std::string wrong = fmt::format(
+        "{} does not repeat what the CPU makes of a test image: {}; report this with the output of nvidia-smi", device,
+        trial.differs);
+    if (!must) return on_the_cpu(wrong);
+    throw Error(ExitCode::unavailable, "reconstruction.backend = \"cuda\": " + wrong);
+  }
+  if (must || trial.device_ms < trial.cpu_ms)
+    return {true, fmt::format("reconstructing on {}: {:.2f} ms to the candidates of a test image, the CPU takes {:.2f}",
+                              device, trial.device_ms, trial.cpu_ms)};
+  return on_the_cpu(fmt::format("{:.2f} ms to the candidates of a test image, {} takes {:.2f}", trial.cpu_ms, device,
+                                trial.device_ms));
+}
+
+std::unique_ptr<LightFieldDevice> make_tried_device(const Config& config, const LightFieldDevicePlan& plan,
+                                                    Backend& backend) {
+  if (!backend.device) return nullptr;
+  try {
+    auto device = make_light_field_cuda(plan);
+    backend = judge(config, this_machine().text, try_device(*device, plan));
+    if (backend.device) return device;
+  } catch (const Error& error) {
+    if (config.reconstruction.backend == "cuda") throw;
+    backend = on_the_cpu(error.what());
+  }
+  return nullptr;
 }
 
 }  // namespace rptv

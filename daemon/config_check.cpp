@@ -16,7 +16,6 @@
 #include "calibration/light_field/light_field_calibration.hpp"
 #include "core/json.hpp"
 #include "core/losses.hpp"
-#include "daemon/backend.hpp"
 #include "daemon/config.hpp"
 #include "daemon/first_instant.hpp"
 #include "daemon/publisher.hpp"
@@ -38,9 +37,10 @@ class Checks {
     check("calibration", config_.has_value(), [&] { return calibration(); });
     check("source", config_.has_value(), [&] { return source(); });
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
-      const auto stage = make_reconstructor(*config_, source_->cameras());
+      std::string where;
+      const auto stage = make_reconstructor(*config_, source_->cameras(), &where);
       for (std::string& line : doubts_of_first_instant(*config_, *stage)) warn("reconstruction", std::move(line));
-      return fmt::format("room for {} particles a frame; {}", config_->max_particles(), choose_backend(*config_).text);
+      return fmt::format("room for {} particles a frame; {}", config_->max_particles(), where);
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });
     check("output", config_.has_value(), [&] { return output(); });

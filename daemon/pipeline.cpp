@@ -13,6 +13,8 @@ Pipeline::Pipeline(std::unique_ptr<Source> source, std::unique_ptr<Reconstructor
       reconstructor_(std::move(reconstructor)),
       linker_(linker),
       lossless_(std::holds_alternative<Lossless>(options.intake.policy)),
+      in_turns_(reconstructor_->uses_tracks()),
+      expected_(in_turns_ ? linker_.capacity() : 0),
       results_(options.results_in_flight, [&] { return Result(options.max_particles, linker_.capacity()); }),
       to_linker_(Lossless{4}, losses_) {}
 
@@ -67,8 +69,7 @@ void Pipeline::reconstruct_loop() noexcept {
       if (frame.info.arrival_ns > result->stamps[Stage::arrived])
         result->stamps[Stage::arrived] = frame.info.arrival_ns;
     result->stamps[Stage::bundled] = host_now_ns();
-    reconstructor_->reconstruct(frames, result->particles);
-    result->stamps[Stage::reconstructed] = host_now_ns();
+    reconstruct(frames, *result);
     if (result->particles.overflow() != 0) losses_.count(LossCause::particle_overflow, result->particles.overflow());
     particles_.fetch_add(result->particles.size(), std::memory_order_relaxed);
     reconstructed_.fetch_add(1, std::memory_order_relaxed);
@@ -77,12 +78,26 @@ void Pipeline::reconstruct_loop() noexcept {
   to_linker_.close();
 }
 
+void Pipeline::reconstruct(const FrameSet& frames, Result& result) noexcept {
+  if (in_turns_) {
+    linker_.predict(result.exposure_end_ns, expected_);
+    reconstructor_->expect(expected_);
+  }
+  reconstructor_->reconstruct(frames, result.particles);
+  result.stamps[Stage::reconstructed] = host_now_ns();
+  if (in_turns_) link(result);
+}
+
+void Pipeline::link(Result& result) noexcept {
+  linker_.next(result.particles, result.frame, result.exposure_end_ns, result.tracks);
+  result.stamps[Stage::linked] = host_now_ns();
+}
+
 void Pipeline::link_loop() noexcept {
   ResultLease result;
   for (Taken taken; (taken = to_linker_.pop(result, kPatienceNs)) != Taken::closed;) {
     if (taken == Taken::timeout) continue;
-    linker_.next(result->particles, result->frame, result->exposure_end_ns, result->tracks);
-    result->stamps[Stage::linked] = host_now_ns();
+    if (!in_turns_) link(*result);
     if (result->tracks.overflow() != 0) losses_.count(LossCause::track_overflow, result->tracks.overflow());
     if (result->tracks.cut_subnets != 0) losses_.count(LossCause::linking_cut, result->tracks.cut_subnets);
     track_points_.fetch_add(result->tracks.size(), std::memory_order_relaxed);

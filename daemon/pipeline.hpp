@@ -67,6 +67,8 @@ class Pipeline {
  private:
   void reconstruct_loop() noexcept;
   void link_loop() noexcept;
+  void reconstruct(const FrameSet& frames, Result& result) noexcept;
+  void link(Result& result) noexcept;
   ResultLease claim_result() noexcept;
 
   static constexpr std::int64_t kPatienceNs = 100'000'000;
@@ -76,6 +78,8 @@ class Pipeline {
   std::unique_ptr<Reconstructor> reconstructor_;
   Linker linker_;
   const bool lossless_;
+  const bool in_turns_;  ///< the reconstruction asks for expected tracks: its thread links, too
+  Tracks expected_;
   Losses losses_;  // of the stages after intake
   ResultPool results_;
   HandOver<ResultLease> to_linker_;

@@ -28,7 +28,7 @@ HandOverPolicy writer_policy(const Config& config) {
 Session::Session(const Config& config) : Session(config, make_source(config)) {}
 
 Session::Session(const Config& config, std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor) {
-  if (!reconstructor) reconstructor = make_reconstructor(config, source->cameras());
+  if (!reconstructor) reconstructor = make_reconstructor(config, source->cameras(), &backend_text_);
   for (const CameraInfo& camera : source->cameras()) camera_names_.push_back(camera.name);
   const auto limit_ns = static_cast<std::int64_t>(config.intake.silence_alarm_s * 1e9);
   sync_warning_ = sync_warning(config, *source);

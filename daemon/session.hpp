@@ -35,6 +35,8 @@ class Session {
   ~Session();
 
   const std::vector<std::string>& endpoints() const noexcept { return publisher_->endpoints(); }
+  /// Which processor reconstructs, for people.
+  const std::string& backend() const noexcept { return backend_text_; }
   /// Somebody has subscribed to tracks. Any thread.
   bool has_subscriber() const noexcept { return publisher_->has_subscriber(); }
   void start();
@@ -61,7 +63,7 @@ class Session {
   Losses reader_losses_;  // of publisher and writer
   std::vector<std::string> camera_names_;
   std::vector<CameraReport> last_cameras_;  // before the source was stopped
-  std::string sync_warning_;
+  std::string sync_warning_, backend_text_;
   std::unique_ptr<SilenceAlarm> alarm_;  // publisher's thread only
   std::atomic<bool> flowing_{false};     // between start() and stop()
   std::unique_ptr<Pipeline> pipeline_;
@@ -76,7 +78,9 @@ class Session {
 
 /// The source, and the reconstruction for its cameras, that the configuration asks for. Throw Error.
 std::unique_ptr<Source> make_source(const Config& config);
-std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras);
+/// `where` becomes a line for people about the processor that reconstructs.
+std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras,
+                                                  std::string* where = nullptr);
 /// How the source's frames come in, and how its cameras are paired: a recording by index, live ones as [sync] says.
 /// Throws Error(configuration).
 IntakeOptions make_intake_options(const Config& config, const Source& source);

@@ -43,6 +43,13 @@ int hypotheses(const LightFieldOptics& optics) {
   return std::clamp(across * across, 1, kMost);
 }
 
+/// Particle images overlap so often that one look at each image loses many.
+bool is_dense(const ScenarioSettings& scenario) {
+  constexpr double kDensePerPixel = 0.01;
+  const auto pixels = static_cast<double>(scenario.camera.width_px * scenario.camera.height_px);
+  return static_cast<double>(scenario.seeding.particles) > kDensePerPixel * pixels;
+}
+
 }  // namespace
 
 std::string rig_toml(const ScenarioSettings& scenario) {
@@ -82,7 +89,8 @@ std::string views_rig_toml(const ScenarioSettings& scenario, std::size_t views) 
       "[replay]\npath = \"frames\"\nspeed = 0.0\n\n"
       "[intake]\npolicy = \"lossless\"\n\n"
       "[reconstruction]\nkind = \"multi_view\"\n\n"
-      "[multi_view]\nrig = \"cameras.toml\"\nvolume_x_mm = [-{0:.3f}, {0:.3f}]\nvolume_y_mm = [-{1:.3f}, {1:.3f}]\n"
+      "[multi_view]\nrig = \"cameras.toml\"\nmethod = \"{11}\"\nvolume_x_mm = [-{0:.3f}, {0:.3f}]\nvolume_y_mm = "
+      "[-{1:.3f}, {1:.3f}]\n"
       "volume_z_mm = [-{2:.3f}, {2:.3f}]\nmin_views = {3}\ntolerance_px = 0.5\nmax_particles = {4}\nmax_matches = "
       "{5}\n\n"
       "[multi_view.detector]\nbackground = {6:.3f}\nthreshold = {7:.2f}\nnoise_grey = {8:.4f}\n"
@@ -92,7 +100,7 @@ std::string views_rig_toml(const ScenarioSettings& scenario, std::size_t views) 
       reach_mm(box.volume_x_mm), reach_mm(box.volume_y_mm), reach_mm(box.volume_z_mm), views >= 3 ? 3 : 2, capacity,
       8 * capacity, camera.black_level_dn + camera.background_e / camera.gain_e_per_dn,
       std::max(0.1 * peak_dn, 6.0 * noise_dn(camera)), noise_dn(camera), camera.gain_e_per_dn,
-      step_mm > 0 ? std::min(1.5 * step_mm, apart_mm) : apart_mm);
+      step_mm > 0 ? std::min(1.5 * step_mm, apart_mm) : apart_mm, is_dense(scenario) ? "iterative" : "detections");
 }
 
 }  // namespace rptv

@@ -12,6 +12,7 @@
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
 #include "reconstruct/light_field/light_field.hpp"
+#include "reconstruct/multi_view/iterative_views.hpp"
 #include "reconstruct/multi_view/multi_view.hpp"
 #include "replay/image_file.hpp"
 #include "replay/replay_source.hpp"
@@ -77,7 +78,8 @@ class BackgroundImage {
   ImageView view_;
 };
 
-std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std::vector<CameraInfo>& cameras) {
+std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std::vector<CameraInfo>& cameras,
+                                                Backend& backend) {
   if (cameras.size() != 1)
     throw Error(ExitCode::configuration,
                 "a light field has one camera and the source has " + std::to_string(cameras.size()) +
@@ -95,11 +97,12 @@ std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std:
                                              std::to_string(shape.width_px) + " x " + std::to_string(shape.height_px) +
                                              "; use the calibration of this camera and region of interest");
   const BackgroundImage background(settings.background_image, shape);
-  return std::make_unique<LightField>(settings, calibration, background.view(), choose_backend(config).make_device);
+  return std::make_unique<LightField>(settings, calibration, background.view(), [&](const LightFieldDevicePlan& plan) {
+    return make_tried_device(config, plan, backend);
+  });
 }
 
 std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::vector<CameraInfo>& cameras) {
-  choose_backend(config);
   const MultiViewSettings& settings = config.multi_view;
   if (settings.rig.empty())
     throw Error(ExitCode::configuration,
@@ -115,13 +118,19 @@ std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::
     backgrounds.emplace_back(files.empty() ? std::string() : files[c], cameras[c].shape);
     views.push_back({cameras[c].name, cameras[c].shape, backgrounds.back().view()});
   }
+  if (settings.method == "iterative") return std::make_unique<IterativeViews>(settings, read_rig(settings.rig), views);
   return std::make_unique<MultiView>(settings, read_rig(settings.rig), views);
 }
 
 }  // namespace
 
-std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras) {
-  return config.reconstruction.is_multi_view() ? make_multi_view(config, cameras) : make_light_field(config, cameras);
+std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras,
+                                                  std::string* where) {
+  Backend backend = choose_backend(config);
+  auto reconstructor = config.reconstruction.is_multi_view() ? make_multi_view(config, cameras)
+                                                             : make_light_field(config, cameras, backend);
+  if (where != nullptr) *where = backend.text;
+  return reconstructor;
 }
 
 }  // namespace rptv

@@ -31,7 +31,7 @@ bool sort_into_bins(const BinOf& bin_of, std::uint32_t items, std::uint32_t bins
   return cudaMemsetAsync(out.start, 0, (bins + std::size_t{2}) * sizeof(std::uint32_t),
                          static_cast<cudaStream_t>(stream)) == cudaSuccess &&
          launch(count_in_bins<BinOf>, items, threads, stream, bin_of, items, out) &&
-         exclusive_scan_cuda(out.start + 1, bins, nullptr, out.start + 1 + bins, stream) &&
+         exclusive_scan_cuda(out.start + 1, bins, nullptr, out.start + 1 + bins, stream, threads) &&
          launch(fill_bins<BinOf>, items, threads, stream, bin_of, items, out);
 }
 

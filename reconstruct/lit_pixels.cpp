@@ -64,13 +64,15 @@ DarkLimit::DarkLimit(const ImageView& background, double threshold) : uniform_(f
         (background.shape.bytes_per_pixel == 1 ? background.as_u8()[i] : background.as_u16()[i]) + threshold));
 }
 
-void DarkLimit::follow(std::span<const float> mean, std::span<const float> sigma, double threshold,
-                       double sigmas) noexcept {
+void DarkLimit::follow(std::span<const float> mean, std::span<const float> sigma, std::span<const float> share,
+                       double threshold, double sigmas) noexcept {
   const auto least = static_cast<float>(threshold), per_sigma = static_cast<float>(sigmas);
   uniform_ = false;
-  for (std::size_t i = 0; i < limits_.size(); ++i)
-    limits_[i] = static_cast<std::uint16_t>(
-        std::clamp(std::floor(mean[i] + std::max(least, per_sigma * sigma[i])), 0.0F, 65535.0F));
+  for (std::size_t i = 0; i < limits_.size(); ++i) {
+    const float signal = share.empty() ? least : share[i] * least;
+    const float noise = sigma.empty() ? 0 : per_sigma * sigma[i];
+    limits_[i] = static_cast<std::uint16_t>(std::clamp(std::floor(mean[i] + std::max(signal, noise)), 0.0F, 65535.0F));
+  }
 }
 
 std::size_t find_lit_pixels(const ImageView& image, const DarkLimit& limit, std::span<std::uint32_t> lit,

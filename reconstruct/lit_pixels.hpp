@@ -20,9 +20,10 @@ class DarkLimit {
   /// From an image without particles, 8 or 16 bit.
   DarkLimit(const ImageView& background, double threshold);
 
-  /// New limits: mean + the larger of `threshold` and `sigmas` times the pixel's noise, all in grey values. Sizes equal
-  /// size().
-  void follow(std::span<const float> mean, std::span<const float> sigma, double threshold, double sigmas) noexcept;
+  /// New limits: mean + the larger of share·`threshold` and `sigmas` times the pixel's noise, all in grey values. Sizes
+  /// equal size(); empty, `sigma` is 0 and `share` 1 everywhere.
+  void follow(std::span<const float> mean, std::span<const float> sigma, std::span<const float> share, double threshold,
+              double sigmas) noexcept;
 
   std::size_t size() const noexcept { return limits_.size(); }
   std::span<const std::uint16_t> limits() const noexcept { return limits_; }

@@ -78,7 +78,7 @@ void RunningBackground::publish() noexcept {
   DarkPixels& dark = dark_.back();
   const auto mean = statistics_.mean(), sigma = statistics_.sigma();
   std::copy(mean.begin(), mean.end(), dark.mean.begin());
-  dark.limit.follow(mean, sigma, options_.threshold, options_.threshold_sigmas);
+  dark.limit.follow(mean, sigma, options_.share, options_.threshold, options_.threshold_sigmas);
   dark_.publish();
   published_.fetch_add(1, std::memory_order_relaxed);
 }

@@ -19,6 +19,7 @@ struct RunningBackgroundOptions {
   double threshold = 0;         ///< at least this above the mean, grey values
   double threshold_sigmas = 0;  ///< and at least this many of the pixel's own noise
   std::int64_t window = 100;    ///< images that count
+  std::vector<float> share{};   ///< of `threshold` that counts in each pixel, as KnownPixels::share; empty: all of it
 };
 
 /// offer(), refresh(), dark(): the reconstructing thread; none waits, allocates or locks. Each image gives a strip of

@@ -75,12 +75,13 @@ CalibrationArrays arrays_of(const FoundLenslets& found, const LensletImages& ima
   fit.reasons.assign(static_cast<std::size_t>(fit.columns * fit.rows), lenslet_reason::kBorder);
   arrays.ray = fit;
   std::fill(arrays.ray.reasons.begin(), arrays.ray.reasons.end(), std::uint8_t{0});
-  arrays.vignetting.assign(fit.reasons.size(), 0);
+  arrays.vignetting.assign(fit.reasons.size(), 0), arrays.area = arrays.vignetting;
   for (const auto& s : found.spots) {
     const auto at = static_cast<std::size_t>((s.v - fit.first_v) * fit.columns + s.u - fit.first_u);
     fit.reasons[at] = s.reason;
+    if (images.particle_images) continue;  // a lenslet that no particle lit is not a bad one, nor a dark one
     arrays.vignetting[at] = static_cast<float>(std::max(s.light, 0.0));
-    if (images.particle_images) continue;  // a lenslet that no particle lit is not a bad one
+    arrays.area[at] = static_cast<float>(std::max(s.area, 0.0));
     if (s.light < kLeastLightForRays) arrays.ray.reasons[at] |= lenslet_reason::kBrightness;
     arrays.ray.reasons[at] |= static_cast<std::uint8_t>(s.reason & lenslet_reason::kResidual);
   }
@@ -145,7 +146,7 @@ LensletCalibrationResult calibrate_lenslets(const LensletImages& images, const L
   }
   auto result = separate_lattices(find_lenslets(grey, start, options), start, known, images.origin);
   result.arrays = arrays_of(result.found, images);
-  result.calibration.mask = result.arrays.ray;
+  result.calibration.arrays = result.arrays;
   if (images.particle_images) return result;
   auto& lens = result.calibration.lens;
   lens.rim_shift.clear(), lens.rim_radius_mm.clear();

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -16,6 +18,7 @@ namespace {
 
 constexpr hsize_t kMostValues = hsize_t{1} << 28;
 constexpr std::int64_t kFarthest = 1'000'000'000;
+constexpr float kMostAmount = 1e6F;  // grey values, or shares of light
 constexpr const char* kAgain = "make it again with `rapidptv calibrate lenslets`";
 
 /// An HDF5 identifier that is closed once. Below 0: the call failed.
@@ -133,6 +136,12 @@ class Reading {
         refuse(fmt::format("dataset '{}' begins at lenslet {}", name, first));
   }
 
+  void take_amounts(const char* name, std::vector<float>& values, std::array<std::int64_t, 2>& shape) const {
+    take(name, values, shape, nullptr);
+    const auto wrong = std::find_if(values.begin(), values.end(), [](float v) { return !(v >= 0 && v < kMostAmount); });
+    if (wrong != values.end()) refuse(fmt::format("dataset '{}' has the value {}", name, *wrong));
+  }
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(ExitCode::bad_data, fmt::format("{}: {}; {}", path_.string(), what, kAgain));
   }
@@ -152,6 +161,7 @@ void write_calibration_arrays(const CalibrationArrays& arrays, const std::filesy
   writing.put("fit_reason", arrays.fit.reasons, rows, columns, bits, &arrays.fit);
   writing.put("ray_reason", arrays.ray.reasons, rows, columns, bits, &arrays.ray);
   writing.put("vignetting", arrays.vignetting, rows, columns, "1", &arrays.fit);
+  if (!arrays.area.empty()) writing.put("area", arrays.area, rows, columns, "1", &arrays.fit);
   if (!arrays.dark_level.empty()) {
     writing.put("dark_level", arrays.dark_level, arrays.height_px, arrays.width_px, "grey value", nullptr);
     writing.put("dark_noise", arrays.dark_noise, arrays.height_px, arrays.width_px, "grey value", nullptr);
@@ -164,25 +174,22 @@ CalibrationArrays read_calibration_arrays(const std::filesystem::path& file) {
   const Reading reading(file);
   CalibrationArrays arrays;
   std::array<std::int64_t, 2> shape{}, same{};
-  reading.take("fit_reason", arrays.fit.reasons, shape, &arrays.fit);
-  reading.take("ray_reason", arrays.ray.reasons, same, &arrays.ray);
-  if (same != shape) reading.refuse("'ray_reason' has another shape than 'fit_reason'");
-  reading.take("vignetting", arrays.vignetting, same, nullptr);
-  if (same != shape) reading.refuse("'vignetting' has another shape than 'fit_reason'");
+  reading.take("ray_reason", arrays.ray.reasons, shape, &arrays.ray);
+  if (reading.has("fit_reason")) {
+    reading.take("fit_reason", arrays.fit.reasons, same, &arrays.fit);
+    if (same != shape) reading.refuse("'fit_reason' has another shape than 'ray_reason'");
+  }
+  for (const auto& [name, values] : {std::pair{"vignetting", &arrays.vignetting}, {"area", &arrays.area}}) {
+    if (!reading.has(name)) continue;
+    reading.take_amounts(name, *values, same);
+    if (same != shape) reading.refuse(fmt::format("'{}' has another shape than 'ray_reason'", name));
+  }
   if (!reading.has("dark_level")) return arrays;
-  reading.take("dark_level", arrays.dark_level, shape, nullptr);
-  reading.take("dark_noise", arrays.dark_noise, same, nullptr);
+  reading.take_amounts("dark_level", arrays.dark_level, shape);
+  reading.take_amounts("dark_noise", arrays.dark_noise, same);
   if (same != shape) reading.refuse("'dark_noise' has another shape than 'dark_level'");
   arrays.height_px = static_cast<std::uint32_t>(shape[0]), arrays.width_px = static_cast<std::uint32_t>(shape[1]);
   return arrays;
-}
-
-LensletMask read_ray_mask(const std::filesystem::path& file) {
-  keep_quiet();
-  LensletMask mask;
-  std::array<std::int64_t, 2> shape{};
-  Reading(file).take("ray_reason", mask.reasons, shape, &mask);
-  return mask;
 }
 
 }  // namespace rptv

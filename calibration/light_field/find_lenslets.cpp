@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The lattice grows from the middle outwards: expect, judge the sub-images' shape, register the intact ones, fit,
-// repeat.
+// The lattice grows from the middle outwards: expect, judge the sub-images' shape, register intact ones, fit, repeat.
 #include "calibration/light_field/find_lenslets.hpp"
 
 #include <fmt/format.h>
@@ -26,9 +25,8 @@ constexpr double kCore = 8;       // pitches from the middle within which sub-im
 constexpr double kGrowth = 1.6;
 constexpr int kPassesAtEnd = 3;
 constexpr int kNeighbours = 2;
-constexpr double kLeastLoss = 0.03;   // of area or roundness: what counts as vignetted, at least
-constexpr double kLeastLight = 0.25;  // of the light on the axis: less is not fitted
-constexpr double kLeastOfNeighbours = 0.6;
+constexpr double kLeastLoss = 0.03;  // of area or roundness: what counts as vignetted, at least
+constexpr double kLeastLight = 0.25, kLeastOfNeighbours = 0.6;  // of the light on the axis: less is not fitted
 constexpr double kReached = 0.85;  // of the field must be intact for a distortion to be fitted
 constexpr double kMostGap = 0.15;  // grey between sub-images over their top: more means overlap
 
@@ -136,7 +134,7 @@ void Search::judge_shapes() {
     }
   const double core_light = options_.particle_images ? quantile(all_light, 0.9) : quantile(light, 0.5);
   const double core_area = quantile(area, 0.5), core_ratio = quantile(ratio, 0.5);
-  const auto least = [](const std::vector<double>& values, double middle) {  // five times the spread below the median
+  const auto least = [](const std::vector<double>& values, double middle) {  // five spreads below the median
     const double spread = (middle - quantile(values, 0.16)) / std::max(middle, 1e-300);
     return middle * (1 - std::max(kLeastLoss, 5 * spread));
   };
@@ -145,6 +143,8 @@ void Search::judge_shapes() {
     if (spot_at_[k] < 0) continue;
     FoundSpot& s = found_.spots[static_cast<std::size_t>(spot_at_[k])];
     s.light = own[k].light / std::max(core_light, 1e-300);
+    const auto out = own[k].centroid_px();
+    s.centroid_x_px = s.predicted_x_px + out[0], s.centroid_y_px = s.predicted_y_px + out[1];
     s.area = near[k].area_px2() / std::max(core_area, 1e-300), s.axis_ratio = near[k].axis_ratio();
     s.reason = 0;
     if (s.light < kLeastLight) s.reason |= kBrightness;

@@ -15,7 +15,8 @@ namespace rptv {
 /// One sub-image and why it was left out (lenslet_reason bits; 0: it was used).
 struct FoundSpot {
   int u = 0, v = 0;
-  double x_px = 0, y_px = 0;                      ///< measured: column, row
+  double x_px = 0, y_px = 0;                      ///< measured: column, row; where the mean sub-image fits best
+  double centroid_x_px = 0, centroid_y_px = 0;    ///< of its light, which is elsewhere when a rim cuts it
   double predicted_x_px = 0, predicted_y_px = 0;  ///< by the lattice
   double light = 0;                               ///< over that of the sub-images on the axis
   double area = 0, axis_ratio = 0;                ///< over those on the axis, and short over long; means of neighbours

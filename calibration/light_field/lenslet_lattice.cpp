@@ -47,14 +47,21 @@ void LensletLattice::cover_sensor(const LightFieldCalibration& calibration) {
                 "lenslets.pitch_um, sensor.pixel_um and lens.image_f_number");
   columns_ = static_cast<std::uint32_t>(columns), rows_ = static_cast<std::uint32_t>(rows);
   centres_.reserve(size());
-  if (!calibration.mask.empty()) masked_.reserve(size());
+  const LensletMask& mask = calibration.arrays.ray;
+  const auto& light = calibration.arrays.vignetting;
+  const auto& area = calibration.arrays.area;
+  if (!mask.empty()) masked_.reserve(size());
+  if (!light.empty()) brightness_.reserve(size());
   for (std::uint32_t v = 0; v < rows_; ++v)
     for (std::uint32_t u = 0; u < columns_; ++u) {
       const auto [x, y] = geometry_.position_mm(first_u_ + u, first_v_ + v);
       centres_.push_back({static_cast<float>(x), static_cast<float>(y)});
-      if (!calibration.mask.empty())
-        masked_.push_back(
-            calibration.mask.of(static_cast<std::int64_t>(first_u_) + u, static_cast<std::int64_t>(first_v_) + v));
+      const auto iu = static_cast<std::int64_t>(first_u_) + u, iv = static_cast<std::int64_t>(first_v_) + v;
+      if (!mask.empty()) masked_.push_back(mask.of(iu, iv));
+      if (light.empty()) continue;
+      const bool known = mask.has(iu, iv);
+      const float share = known && !area.empty() ? area[mask.place(iu, iv)] : 0;
+      brightness_.push_back(known ? light[mask.place(iu, iv)] / (share > 0 ? share : 1.0F) : 0);
     }
 }
 

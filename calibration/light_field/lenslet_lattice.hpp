@@ -35,6 +35,10 @@ class LensletLattice {
   /// Why this lenslet gives no rays (lenslet_reason bits); 0: it does.
   std::uint8_t masked(std::uint32_t index) const noexcept { return masked_.empty() ? std::uint8_t{0} : masked_[index]; }
 
+  /// How bright the pixels of a sub-image are in even light, over those on the axis: the light through the lenslet over
+  /// the area of its sub-image, since a rim that cuts it leaves the rest as bright. 0: unknown.
+  float brightness(std::uint32_t index) const noexcept { return brightness_.empty() ? 0.0F : brightness_[index]; }
+
   /// Continuous lattice coordinates (column, row from lenslet 0) of a point on the array plane.
   std::array<double, 2> on_true_lattice(double x_mm, double y_mm) const noexcept;
   /// The same of a point on the sensor, by the apparent lattice.
@@ -63,6 +67,7 @@ class LensletLattice {
   std::uint32_t columns_ = 0, rows_ = 0;
   std::vector<std::array<float, 2>> centres_;
   std::vector<std::uint8_t> masked_;  // empty: none
+  std::vector<float> brightness_;     // empty: unknown
 };
 
 }  // namespace rptv

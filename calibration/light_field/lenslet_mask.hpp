@@ -28,11 +28,15 @@ struct LensletMask {
   std::vector<std::uint8_t> reasons;  ///< columns·rows
 
   bool empty() const noexcept { return reasons.empty(); }
-  /// Reasons of lenslet (u, v); 0 outside.
-  std::uint8_t of(std::int64_t u, std::int64_t v) const noexcept {
-    if (u < first_u || v < first_v || u >= first_u + columns || v >= first_v + rows) return 0;
-    return reasons[static_cast<std::size_t>((v - first_v) * columns + (u - first_u))];
+  bool has(std::int64_t u, std::int64_t v) const noexcept {
+    return u >= first_u && v >= first_v && u < first_u + columns && v < first_v + rows;
   }
+  /// Where the value of a lenslet that it has is.
+  std::size_t place(std::int64_t u, std::int64_t v) const noexcept {
+    return static_cast<std::size_t>((v - first_v) * columns + (u - first_u));
+  }
+  /// Reasons of lenslet (u, v); 0 outside.
+  std::uint8_t of(std::int64_t u, std::int64_t v) const noexcept { return has(u, v) ? reasons[place(u, v)] : 0; }
 };
 
 }  // namespace rptv

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <numbers>
 
-#include "calibration/light_field/calibration_arrays.hpp"
 #include "calibration/light_field/soloff_polynomial.hpp"
 #include "core/error.hpp"
 
@@ -196,8 +195,17 @@ LightFieldCalibration read_light_field_calibration(const std::filesystem::path& 
   auto calibration = read_with(
       [&](FieldList& list) { read_toml_file(file, "light-field calibration", LightFieldCalibration::kSchema, list); },
       file.string());
-  if (!calibration.lenslets.arrays.empty())
-    calibration.mask = read_ray_mask(file.parent_path() / calibration.lenslets.arrays);
+  if (calibration.lenslets.arrays.empty()) return calibration;
+  const auto arrays_file = file.parent_path() / calibration.lenslets.arrays;
+  calibration.arrays = read_calibration_arrays(arrays_file);
+  const auto& arrays = calibration.arrays;
+  const auto& sensor = calibration.sensor;
+  if (!arrays.dark_level.empty() && (arrays.width_px != sensor.width_px || arrays.height_px != sensor.height_px))
+    throw Error(ExitCode::bad_data,
+                fmt::format("{}: 'dark_level' has {}x{} px and the sensor of {} {}x{}; make both again with `rapidptv "
+                            "calibrate lenslets`",
+                            arrays_file.string(), arrays.width_px, arrays.height_px, file.string(), sensor.width_px,
+                            sensor.height_px));
   return calibration;
 }
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "calibration/light_field/calibration_arrays.hpp"
 #include "calibration/light_field/lenslet_geometry.hpp"
-#include "calibration/light_field/lenslet_mask.hpp"
 #include "core/settings.hpp"
 
 namespace rptv {
@@ -63,7 +63,7 @@ struct LightFieldCalibration {
   LensletCalibration lenslets;
   MainLensCalibration lens;
   PolynomialCalibration polynomial;
-  LensletMask mask;  ///< lenslets that give no rays, from the arrays file; empty: all do
+  CalibrationArrays arrays;  ///< from the arrays file; empty: not known
 
   void fields(FieldList& list);
 
@@ -87,7 +87,7 @@ struct LightFieldCalibration {
   void validate(const std::string& origin) const;
 };
 
-/// Reads and validates a calibration file and the mask of its arrays file. Throws Error(no_input, configuration,
+/// Reads and validates a calibration file and its arrays file. Throws Error(no_input, configuration,
 /// bad_data) with `file:line: …`. Set-up only.
 LightFieldCalibration read_light_field_calibration(const std::filesystem::path& file);
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kBins = 24;         // of the distance from the axis
 constexpr double kLeastSpots = 8;         // in a bin
+constexpr double kLeastLight = 0.02;      // of those on the axis: less has no centroid
 constexpr double kLeastCut = 0.05;        // of the light at the edge of the field: else there is no vignetting
 constexpr int kStrips = 64, kSteps = 60;  // across the pupil; of a fit
 constexpr double kMostMisfit = 5;         // rms, in sigmas: else it is something else
@@ -57,8 +58,8 @@ std::vector<Bin> bins_of(const FoundLenslets& found, const LightFieldCalibration
   for (const auto& s : found.spots) {
     const double x = s.predicted_x_px - axis[0], y = s.predicted_y_px - axis[1], r = std::hypot(x, y);
     const auto bin = static_cast<std::size_t>(r / width);
-    if (!s.matched || (s.reason & lenslet_reason::kBorder) != 0 || bin >= kBins || !(r > 0)) continue;
-    const double out_px = ((s.x_px - s.predicted_x_px) * x + (s.y_px - s.predicted_y_px) * y) / r;
+    if (s.light < kLeastLight || (s.reason & lenslet_reason::kBorder) != 0 || bin >= kBins || !(r > 0)) continue;
+    const double out_px = ((s.centroid_x_px - s.predicted_x_px) * x + (s.centroid_y_px - s.predicted_y_px) * y) / r;
     bins[bin].array_mm += r * pixel_mm / c.apparent_scale(), bins[bin].light += s.light;
     // A lenslet turns the pupil over.
     bins[bin].shift -= out_px * pixel_mm * c.lens.exit_pupil_mm / c.lenslets.focal_length_mm / pupil_mm;

@@ -15,6 +15,10 @@ struct SubimageMoments {
   double cells = 0;  ///< how many cells the sums are of
 
   void add(const SubimageMoments& other) noexcept;
+  /// From the expected centre; 0 without light.
+  std::array<double, 2> centroid_px() const noexcept {
+    return light > 0 ? std::array<double, 2>{x / light, y / light} : std::array<double, 2>{};
+  }
   /// Square root of the determinant of the second moments about the centroid: area up to a factor. 0 without light.
   double area_px2() const noexcept;
   /// Short over long axis; 1 is round.

@@ -5,7 +5,6 @@
 #include <iostream>
 
 #include "core/tables.hpp"
-#include "daemon/backend.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/reconstruct_views.hpp"
 #include "daemon/config.hpp"
@@ -93,9 +92,10 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   }
   const ImageSequence images = open_images(options, config);
   const std::vector<double> times = times_of(options, config, images);
-  const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}});
+  std::string where;
+  const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}}, &where);
   auto& light_field = dynamic_cast<LightField&>(*stage);
-  std::cerr << choose_backend(config).text << '\n';
+  std::cerr << where << '\n';
   for (const auto& warning : read_light_field_calibration(config.light_field.calibration).warnings())
     std::cerr << "warning: " << config.light_field.calibration << ": " << warning << '\n';
   PointsWriter points(options.output, {.covariance = true, .ghost = true, .time = !times.empty()});

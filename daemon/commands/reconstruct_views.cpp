@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Images of several cameras, instant by instant, through the multi-view stage.
 #include "daemon/commands/reconstruct_views.hpp"
-#include "daemon/backend.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include "core/tables.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
+#include "reconstruct/multi_view/iterative_views.hpp"
 #include "reconstruct/multi_view/multi_view.hpp"
 #include "replay/image_sequence.hpp"
 #include "replay/timeline.hpp"
@@ -55,25 +55,46 @@ class Instants {
   FrameSet set_;
 };
 
-void tell(const MultiView& stage, std::size_t instants, std::uint64_t particles) {
-  const MultiViewCounts& n = stage.counts();
-  const CorrespondenceCounts& c = stage.correspondence_counts();
+/// What both kinds of counts have.
+template <class Counts>
+void tell_frames(const Counts& n, std::size_t instants, std::uint64_t particles) {
   std::cerr << fmt::format("reconstructed {} of {} instants: {} particles\n", n.frames, instants, particles);
   if (n.refused_views > 0)
     std::cerr << fmt::format("{} images were missing or unusable; {} instants had too few views\n", n.refused_views,
                              n.too_few_views);
-  if (n.refused_detections > 0)
+  if (n.refused_particles > 0)
+    std::cerr << fmt::format("{} particles were left out: raise multi_view.max_particles\n", n.refused_particles);
+}
+
+void tell_detections(std::uint64_t refused) {
+  if (refused > 0)
     std::cerr << fmt::format(
         "{} particle images were left out: raise multi_view.detector.threshold or "
         "multi_view.detector.max_detections\n",
-        n.refused_detections);
-  if (c.refused_matches + c.unsearched > 0)
+        refused);
+}
+
+void tell_matches(const CorrespondenceCounts& n, const char* tolerance) {
+  if (n.refused_matches + n.unsearched > 0)
     std::cerr << fmt::format(
         "{} sets of particle images were left out, {} rays were not followed: lower "
-        "multi_view.tolerance_px or raise multi_view.max_matches\n",
-        c.refused_matches, c.unsearched);
-  if (n.refused_particles > 0)
-    std::cerr << fmt::format("{} particles were left out: raise multi_view.max_particles\n", n.refused_particles);
+        "multi_view.{} or raise multi_view.max_matches\n",
+        n.refused_matches, n.unsearched, tolerance);
+}
+
+void tell(const Reconstructor& stage, std::size_t instants, std::uint64_t particles) {
+  if (const auto* iterative = dynamic_cast<const IterativeViews*>(&stage)) {
+    tell_frames(iterative->counts(), instants, particles);
+    if (const std::uint64_t places = iterative->counts().refused_places; places > 0)
+      std::cerr << fmt::format("{} places of particles were left out: raise multi_view.max_particles\n", places);
+    tell_detections(iterative->counts().refused_peaks);
+    tell_matches(iterative->correspondence_counts(), "iterative.tolerance_px");
+    return;
+  }
+  const auto& once = dynamic_cast<const MultiView&>(stage);
+  tell_frames(once.counts(), instants, particles);
+  tell_detections(once.counts().refused_detections);
+  tell_matches(once.correspondence_counts(), "tolerance_px");
 }
 
 }  // namespace
@@ -85,8 +106,9 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   std::vector<CameraInfo> infos;
   for (const ImageSequence& camera : cameras)
     infos.push_back({camera.camera(), camera.shape(), camera.significant_bits()});
-  const auto stage = make_reconstructor(config, infos);
-  std::cerr << choose_backend(config).text << '\n';
+  std::string where;
+  const auto stage = make_reconstructor(config, infos, &where);
+  std::cerr << where << '\n';
   PointsWriter points(output, {.covariance = true, .ghost = true, .time = timed});
   Particles particles(config.max_particles());
   Instants instants(cameras);
@@ -99,7 +121,7 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
     total += particles.size();
   }
   points.close();
-  tell(dynamic_cast<const MultiView&>(*stage), timeline.instants(), total);
+  tell(*stage, timeline.instants(), total);
   return ExitCode::ok;
 }
 

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <iostream>
 
-#include "daemon/backend.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/config.hpp"
 #include "daemon/log.hpp"
@@ -46,7 +45,7 @@ ExitCode run(const RunOptions& options) {
   const Config config = resolve(options);
   Supervisor supervisor;
   Session session(config);
-  spdlog::info("{}", choose_backend(config).text);
+  spdlog::info("{}", session.backend());
   for (const std::string& endpoint : session.endpoints()) spdlog::info("publishing at {}", endpoint);
   if (options.wait_for_subscriber) {
     spdlog::info("waiting for a subscriber");

@@ -12,15 +12,11 @@
 
 namespace rptv {
 
-namespace {
-
 DarkSettings dark_settings(const DetectorSettings& settings, std::size_t camera) {
   const auto& names = settings.background_images;
   return {settings.background, std::max(settings.threshold, settings.threshold_sigmas * settings.noise_grey),
           camera < names.size() ? names[camera] : "the background image"};
 }
-
-}  // namespace
 
 struct Detector::Stages {
   Stages(const DetectorSettings& settings, const ImageShape& image_shape, const ImageView& background,

@@ -6,11 +6,15 @@
 
 #include "core/image.hpp"
 #include "core/instruction_set.hpp"
+#include "reconstruct/dark_pixels.hpp"
 #include "reconstruct/detection/detections.hpp"
 #include "reconstruct/detection/detector_counts.hpp"
 #include "reconstruct/detection/detector_settings.hpp"
 
 namespace rptv {
+
+/// Background and limit of camera number `camera`, counted from 0, as its settings say.
+DarkSettings dark_settings(const DetectorSettings& settings, std::size_t camera);
 
 /// Of one camera. detect() allocates nothing, takes no lock and copies no frame; its time is bounded by the image's
 /// size and by settings.max_detections. One thread at a time (a running background learns on a thread of its own).

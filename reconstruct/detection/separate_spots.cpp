@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "reconstruct/detection/near_grey_kernel.hpp"
 #include "reconstruct/detection/near_pairs.hpp"
 
 namespace rptv {
@@ -13,45 +13,6 @@ namespace rptv {
 namespace {
 
 constexpr std::size_t kPairsPerMaximum = 8;  // beyond them neighbours keep the pixels between them to themselves
-
-// Least raw grey value on the straight line between two pixels, both left out.
-template <class Pixel>
-float least_between(const GreyOverBackground<Pixel>& grey, PixelIndex a, PixelIndex b) noexcept {
-  const std::int32_t dx = b.x - a.x, dy = b.y - a.y, steps = std::max(std::abs(dx), std::abs(dy));
-  Pixel lowest = std::numeric_limits<Pixel>::max();
-  for (std::int32_t k = 1; k < steps; ++k) {
-    const auto along = [&](std::int32_t way) { return (2 * k * way + (way < 0 ? -steps : steps)) / (2 * steps); };
-    lowest = std::min(lowest, grey.raw(grey.index(a.x + along(dx), a.y + along(dy))));
-  }
-  return static_cast<float>(lowest);
-}
-
-// Centre of light and rows of saturated pixels below the first of them, `top`; exact where they are convex.
-struct Plateau {
-  double x = 0, y = 0, rows = 0;
-};
-
-template <class Pixel>
-Plateau plateau_of(const GreyOverBackground<Pixel>& grey, PixelIndex top) noexcept {
-  constexpr std::int32_t kMost = 64;  // pixels aside and rows
-  Plateau plateau;
-  double pixels = 0;
-  const auto saturated = [&](std::int32_t x, std::int32_t y) {
-    return x >= 0 && x < grey.width() && grey.saturated(grey.index(x, y));
-  };
-  std::int32_t middle = top.x;
-  for (std::int32_t y = top.y; y < std::min(grey.height(), top.y + kMost) && saturated(middle, y); ++y) {
-    std::int32_t first = middle, last = middle;
-    while (middle - first < kMost && saturated(first - 1, y)) --first;
-    while (last - middle < kMost && saturated(last + 1, y)) ++last;
-    const double length = last - first + 1;
-    plateau.x += length * (first + last) / 2, plateau.y += length * y, pixels += length;
-    ++plateau.rows;
-    middle = (first + last) / 2;
-  }
-  plateau.x /= pixels, plateau.y /= pixels;
-  return plateau;
-}
 
 }  // namespace
 
@@ -80,7 +41,7 @@ void SeparateSpots::place_squares(const GreyOverBackground<Pixel>& grey, std::sp
     Spot spot;
     spot.middle = maximum;
     if (grey.saturated(grey.index(maximum.x, maximum.y))) {
-      const Plateau plateau = plateau_of(grey, maximum);
+      const Plateau plateau = plateau_of(grey, maximum.x, maximum.y);
       spot.plateau_x = plateau.x, spot.plateau_y = plateau.y, spot.plateau_rows = plateau.rows;
       spot.middle = {static_cast<std::int32_t>(std::lround(plateau.x)),
                      static_cast<std::int32_t>(std::lround(plateau.y))};
@@ -102,7 +63,8 @@ void SeparateSpots::drop_noise(const GreyOverBackground<Pixel>& grey, std::span<
     const bool first_is_lower = grey.raw(first) < grey.raw(second);
     const std::size_t lower = first_is_lower ? first : second;
     const float noise = std::sqrt(noise_.variance(grey.over(lower)));
-    if (least_between(grey, maxima[i], maxima[j]) >= static_cast<float>(grey.raw(lower)) - split_sigmas_ * noise)
+    if (least_between(grey, maxima[i].x, maxima[i].y, maxima[j].x, maxima[j].y) >=
+        static_cast<float>(grey.raw(lower)) - split_sigmas_ * noise)
       spots_[first_is_lower ? i : j].merged = true;
   });
 }

@@ -11,7 +11,6 @@ namespace rptv {
 
 namespace {
 
-constexpr std::size_t kMaximaPerDetection = 4;
 constexpr std::size_t kFewestPixels = 6;  // that can tell the four numbers of a Gaussian and some noise
 
 SpotMethod method_of(const std::string& name) {
@@ -20,17 +19,17 @@ SpotMethod method_of(const std::string& name) {
                                : SpotMethod::gaussian;
 }
 
-SpotOptions options_of(const DetectorSettings& settings) {
+}  // namespace
+
+SpotOptions spot_options(const DetectorSettings& settings) {
   const auto noise = GreyNoise::of(settings.noise_grey, settings.electrons_per_grey);
   return {method_of(settings.method), static_cast<std::size_t>(settings.radius_px), noise.dark_variance,
           noise.grey_per_electron};
 }
 
-}  // namespace
-
 SpotFinder::SpotFinder(const DetectorSettings& settings, const ImageShape& shape, InstructionSet set)
     : set_(set),
-      options_(options_of(settings)),
+      options_(spot_options(settings)),
       saturation_grey_(settings.saturation_grey),
       min_area_px_(static_cast<std::size_t>(settings.min_area_px)),
       maxima_(kMaximaPerDetection * static_cast<std::size_t>(settings.max_detections)),

@@ -21,6 +21,11 @@
 
 namespace rptv {
 
+inline constexpr std::size_t kMaximaPerDetection = 4;  ///< that there is room for
+
+/// What a user's settings mean for the fit of spots.
+SpotOptions spot_options(const DetectorSettings& settings);
+
 /// All memory is taken by the constructor. One thread.
 class SpotFinder {
  public:

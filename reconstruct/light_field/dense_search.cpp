@@ -73,6 +73,7 @@ DenseSearch::DenseSearch(const LightFieldCalibration& calibration, const Lenslet
   ratios_.reserve(2 * footprints_.most_pixels());
   lights_.reserve(options.max_particles);
   particles_.reserve(options.max_particles);
+  spreads_.resize(options.max_particles);
 }
 
 void DenseSearch::begin(const ImageView& image, std::span<const float> background) noexcept {
@@ -156,6 +157,7 @@ std::span<const JointParticle> DenseSearch::find(std::span<const FittedParticle>
   fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
   drop_weak(options_.least_share * light_);
   fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
+  fit_.find_spreads(particles_, spreads_);
   return particles_;
 }
 

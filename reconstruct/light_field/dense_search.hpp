@@ -29,6 +29,8 @@ class DenseSearch {
   /// Finds all particles of the frame; many of them are near the places of `near`, which show how bright one is.
   /// Valid until the next call.
   std::span<const JointParticle> find(std::span<const FittedParticle> near) noexcept;
+  /// Of what find() found, in its order.
+  std::span<const JointSpread> spreads() const noexcept { return {spreads_.data(), particles_.size()}; }
   /// Of this frame, beyond the room: particles, and places where one would fit.
   std::uint64_t refused() const noexcept { return refused_; }
   std::uint64_t refused_hits() const noexcept { return refused_hits_; }
@@ -49,6 +51,7 @@ class DenseSearch {
   double light_ = 0;  // of a typical particle
   std::vector<float> grey_, residual_, ratios_, lights_;
   std::vector<JointParticle> particles_;
+  std::vector<JointSpread> spreads_;
   std::uint64_t refused_ = 0, refused_hits_ = 0;
 };
 

@@ -28,6 +28,7 @@ JointFit::JointFit(const LightFieldCalibration& calibration, const LensletLattic
       other_(options.max_particles, options.max_entries),
       normal_(static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px),
               options.max_particles, options.max_entries, options.threads),
+      covariance_(options.max_particles, normal_.max_blocks(), options.threads),
       proposed_(options.max_particles) {
   const auto pixels = static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px);
   for (auto* image : {&explained_, &next_explained_, &weight_, &rest_, &per_sigma_}) image->resize(pixels);
@@ -136,6 +137,13 @@ void JointFit::fit(std::span<JointParticle> particles, const JointGoal& goal) no
     std::swap(explained_, next_explained_);
     if (gain < kStillGain) return;
   }
+}
+
+void JointFit::find_spreads(std::span<const JointParticle> particles, std::span<JointSpread> spreads) noexcept {
+  const JointGoal all_light;
+  weigh(all_light);
+  normal_.assemble(*now_, particles, weight_, rest_, all_light.most_light);
+  covariance_.find(normal_, spreads);
 }
 
 }  // namespace rptv

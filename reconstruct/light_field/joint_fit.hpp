@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "reconstruct/light_field/joint_covariance.hpp"
 #include "reconstruct/light_field/joint_images.hpp"
 #include "reconstruct/light_field/joint_normal.hpp"
 
@@ -44,6 +45,8 @@ class JointFit {
   void begin(std::span<const float> grey) noexcept;
   /// Moves the particles. Those that cannot be rendered, or have no room, get no light.
   void fit(std::span<JointParticle> particles, const JointGoal& goal) noexcept;
+  /// How sure each of the particles of the last fit() is, by the noise of the pixels alone.
+  void find_spreads(std::span<const JointParticle> particles, std::span<JointSpread> spreads) noexcept;
   /// Light of the particles of the last fit.
   std::span<const float> explained() const noexcept { return explained_; }
 
@@ -64,6 +67,7 @@ class JointFit {
   JointImages one_, other_;
   JointImages *now_ = &one_, *next_ = &other_;
   JointNormal normal_;
+  JointCovariance covariance_;
   std::span<const float> grey_;
   std::vector<float> explained_, next_explained_, weight_, rest_, per_sigma_;
   std::vector<JointParticle> proposed_;

@@ -82,7 +82,7 @@ void JointNormal::assemble(const JointImages& images, std::span<const JointParti
                            std::span<const float> weight, std::span<const float> rest, double most_light) noexcept {
   count_ = particles.size();
   list_touches(images);
-  blocks_end_ = 0;
+  blocks_end_ = 0, cut_ = false;
   parallel_for(count_, threads_, [&](std::size_t k, std::size_t thread) {
     assemble_one(k, images, particles, weight, rest, workspaces_[thread]);
     for (std::size_t i = 0; i < 4; ++i) scale_[k][i] = 1 / std::sqrt(diagonal_[k][5 * i] + 1e-12F);
@@ -109,7 +109,10 @@ void JointNormal::assemble_one(std::size_t k, const JointImages& images, std::sp
       const std::uint32_t other = owner_[static_cast<std::size_t>(touch)];
       auto& place = work.place_of[other];
       if (place < 0) {
-        if (work.blocks.size() == kMostNeighbours) continue;
+        if (work.blocks.size() == kMostNeighbours) {
+          cut_.store(true, std::memory_order_relaxed);
+          continue;
+        }
         place = static_cast<std::int32_t>(work.blocks.size());
         work.blocks.push_back({other, {}});
       }
@@ -124,6 +127,7 @@ void JointNormal::assemble_one(std::size_t k, const JointImages& images, std::sp
   std::copy_n(work.blocks.begin(), count,
               blocks_.begin() + static_cast<std::ptrdiff_t>(std::min(first, blocks_.size())));
   blocks_of_[k] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+  if (count < work.blocks.size()) cut_.store(true, std::memory_order_relaxed);
 }
 
 void JointNormal::scale(std::size_t k) noexcept {

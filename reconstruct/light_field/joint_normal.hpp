@@ -15,6 +15,12 @@ namespace rptv {
 /// x, y, z and light of a particle.
 using JointStep = std::array<float, 4>;
 
+/// How two particles that share pixels are coupled: the first's four rows, the four columns of `other`.
+struct JointBlock {
+  std::uint32_t other;
+  std::array<float, 16> entries;
+};
+
 /// Gauss-Newton: assemble() once, solve() with any damping. Nothing allocates after construction; one thread calls,
 /// `threads` work, and the result does not depend on their number.
 class JointNormal {
@@ -29,14 +35,23 @@ class JointNormal {
   /// next call. Returns the steps.
   std::span<const JointStep> solve(float damping) noexcept;
 
+  /// The matrix of the last assemble(), scaled to a unit diagonal: a particle's own block, those with particles of
+  /// lower numbers, and the scale, which is that of its parameters.
+  std::size_t particles() const noexcept { return count_; }
+  std::size_t max_blocks() const noexcept { return blocks_.size(); }
+  std::span<const float, 16> diagonal(std::size_t k) const noexcept { return diagonal_[k]; }
+  std::span<const JointBlock> blocks_of(std::size_t k) const noexcept {
+    if (blocks_of_[k].count == 0) return {};
+    return {blocks_.data() + blocks_of_[k].first, blocks_of_[k].count};
+  }
+  const JointStep& scale_of(std::size_t k) const noexcept { return scale_[k]; }
+  /// Some couplings had no room: those two move as if the other stood still.
+  bool is_cut() const noexcept { return cut_.load(std::memory_order_relaxed); }
+
  private:
-  struct Block {
-    std::uint32_t other;
-    std::array<float, 16> entries;  // of this particle's four rows and the other's four columns
-  };
   struct Workspace {
     std::vector<std::int32_t> place_of;  // of a neighbour's block, -1: none yet
-    std::vector<Block> blocks;
+    std::vector<JointBlock> blocks;
   };
   struct Blocks {
     std::uint32_t first, count;
@@ -54,8 +69,9 @@ class JointNormal {
   std::vector<std::int32_t> newest_, older_;  // entries of a pixel, as lists; -1 ends them
   std::vector<std::uint32_t> owner_;          // of an entry
   std::vector<Workspace> workspaces_;
-  std::vector<Block> blocks_;
+  std::vector<JointBlock> blocks_;
   std::atomic<std::size_t> blocks_end_{0};
+  std::atomic<bool> cut_{false};
   std::vector<Blocks> blocks_of_;
   std::vector<std::array<float, 16>> diagonal_, inverse_;
   std::vector<JointStep> pull_, scale_, x_, r_, z_, p_, q_;

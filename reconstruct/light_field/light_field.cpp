@@ -9,8 +9,9 @@
 #include "reconstruct/light_field/candidate_search.hpp"
 #include "reconstruct/light_field/dense_search.hpp"
 #include "reconstruct/light_field/ghost_probability.hpp"
+#include "reconstruct/light_field/light_field_dark.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
-#include "reconstruct/running_background.hpp"
+#include "reconstruct/parallel.hpp"
 
 namespace rptv {
 
@@ -31,7 +32,6 @@ struct LightField::Stages {
   Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background,
          const MakeLightFieldDevice& make_device);
 
-  const DarkPixels& now_dark() const noexcept { return learner ? learner->dark() : dark; }
   void find_particles(std::size_t lit_pixels) noexcept;
   std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
@@ -41,8 +41,8 @@ struct LightField::Stages {
 
   const LightFieldSettings settings;
   const ImageShape shape;
-  const DarkPixels dark;  // at the start
   const LensletLattice lattice;
+  LightFieldDark dark;
   const PixelsToRays pixels_to_rays;
   const RayWindow window;
   const VoxelGrid grid;
@@ -54,9 +54,8 @@ struct LightField::Stages {
   Rays rays;
   CandidateSearch search;
   ExplainAway explain_away;
-  std::unique_ptr<RunningBackground> learner;  // with settings.running_background
-  std::unique_ptr<Shake> shake;                // with settings.refine
-  std::unique_ptr<DenseSearch> dense_search;   // with settings.refine_search = "grey_values"
+  std::unique_ptr<Shake> shake;               // with settings.refine
+  std::unique_ptr<DenseSearch> dense_search;  // with settings.refine_search = "grey_values"
   std::vector<FittedParticle> particles;
   LightFieldCounts counts;
 };
@@ -65,8 +64,8 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
                            const ImageView& background, const MakeLightFieldDevice& make_device)
     : settings(s),
       shape(shape_of(calibration)),
-      dark(make_dark({s.background, s.threshold, s.background_image}, shape, background)),
       lattice(calibration),
+      dark(s, calibration, lattice, shape, background),
       pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
       window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
       grid(make_grid(s, calibration, pixels_to_rays.slope_half_range())),
@@ -75,14 +74,12 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       in_object_space(s.space == "object"),
       lit(static_cast<std::size_t>(s.max_rays)),
       rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
-      search(s, {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles)},
+      search(s,
+             {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles),
+              thread_count(s.threads)},
              min_count, make_device),
       explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
   particles.reserve(static_cast<std::size_t>(s.max_particles));
-  if (s.running_background)
-    learner = std::make_unique<RunningBackground>(
-        shape, dark, s.noise_grey, background.data != nullptr,
-        RunningBackgroundOptions{s.threshold, s.threshold_sigmas, s.background_frames});
   if (!s.refine) return;
   const ShakeOptions options =
       make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count));
@@ -113,16 +110,15 @@ void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
 // Those lit pixels that particles leave above the threshold, and well above the shot noise of what they do explain.
 std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcept {
   constexpr float kSigmas = 4;
-  const auto threshold = static_cast<float>(settings.threshold);
   const auto end = std::remove_if(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit_pixels), [&](auto pixel) {
     const float noise = std::sqrt(shake->explained(pixel) / static_cast<float>(settings.electrons_per_grey));
-    return shake->unexplained(pixel) < threshold + kSigmas * noise;
+    return shake->unexplained(pixel) < dark.threshold_of(pixel) + kSigmas * noise;
   });
   return static_cast<std::size_t>(end - lit.begin());
 }
 
 void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
-  shake->begin(image, now_dark().mean);
+  shake->begin(image, dark.now().mean);
   if (dense_search) return find_overlapping(image);
   particles.resize(shake->refine(particles, 0));
   for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
@@ -138,12 +134,14 @@ void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) 
 
 // Rays only show how bright a particle is.
 void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
-  dense_search->begin(image, now_dark().mean);
+  dense_search->begin(image, dark.now().mean);
   const auto found = dense_search->find(particles);
+  const auto spreads = dense_search->spreads();
   particles.clear();
-  for (const auto& p : found) {
-    particles.emplace_back();
-    particles.back().at = p.at, particles.back().light = p.light;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    auto& particle = particles.emplace_back();
+    particle.at = found[k].at, particle.light = found[k].light, particle.shared = spreads[k].shared;
+    counts.rough_covariances += spreads[k].cut ? 1 : 0;
   }
   particles.resize(shake->describe(particles));
   counts.refused_candidates += dense_search->refused_hits();
@@ -197,8 +195,8 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
     ++s.counts.refused_frames;
     return s.tell(losses_);
   }
-  if (s.learner) s.learner->refresh();
-  const std::size_t lit = s.search.find_lit(image, s.now_dark().limit, s.learner != nullptr, s.lit);
+  s.dark.refresh();
+  const std::size_t lit = s.search.find_lit(image, s.dark.now().limit, s.dark.follows(), s.lit);
   s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
   s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
   s.particles.clear();
@@ -206,7 +204,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   s.counts.rays = s.rays.size;
   if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
   s.write(out);
-  if (s.learner) s.learner->offer(image);
+  s.dark.offer(image);
   s.counts.device_failed = s.search.device_failed();
   ++s.counts.frames;
   s.tell(losses_);

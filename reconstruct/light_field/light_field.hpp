@@ -22,6 +22,7 @@ struct LightFieldCounts {
   std::uint64_t refused_pixels = 0;      ///< lit pixels beyond max_rays
   std::uint64_t refused_candidates = 0;  ///< voxels beyond max_candidates, or candidates beyond their room
   std::uint64_t refused_particles = 0;   ///< beyond max_particles
+  std::uint64_t rough_covariances = 0;   ///< of particles whose neighbours were too many to take all in
   bool device_failed = false;            ///< the CPU has done its work since
   std::size_t lit_pixels = 0, rays = 0, candidates = 0, rounds = 0;  ///< of the last frame
 };
@@ -31,9 +32,9 @@ struct LightFieldCounts {
 class LightField final : public Reconstructor {
  public:
   /// Throws Error(configuration) when settings and calibration do not fit together. `background`: an image without
-  /// particles, copied; without data, the constant settings.background is used. `settings.calibration` and
-  /// `settings.background_image` are not read here. `make_device`: another processor for the first steps, which needs
-  /// settings.counting "coarse_to_fine"; the particles are the same.
+  /// particles, copied; without data, the constant settings.background is used, or the calibration's dark level where
+  /// that is 0. `settings.calibration` and `settings.background_image` are not read here. `make_device`: another
+  /// processor for the first steps, which needs settings.counting "coarse_to_fine"; the particles are the same.
   LightField(const LightFieldSettings& settings, const LightFieldCalibration& calibration, const ImageView& background,
              const MakeLightFieldDevice& make_device = nullptr);
   ~LightField() override;

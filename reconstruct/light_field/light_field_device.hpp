@@ -41,6 +41,7 @@ struct LightFieldDevicePlan {
   const PixelsToRays& pixels_to_rays;
   const VoxelGrid& grid;
   std::size_t max_rays, max_candidates;
+  std::size_t threads;  ///< that the CPU would take
 };
 
 /// Throws Error(unavailable) when the device cannot be used.

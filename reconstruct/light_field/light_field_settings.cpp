@@ -7,12 +7,17 @@ namespace rptv {
 void LightFieldSettings::fields(FieldList& list) {
   list.text("calibration", calibration, "light-field calibration file");
   list.text("background_image", background_image, "image without particles; empty: the constant background");
-  list.number("background", background, 0, 65535, "grey level without light");
-  list.number("threshold", threshold, 0, 65535, "a pixel is lit when it is more than this above its background");
+  list.number("background", background, 0, 65535,
+              "grey level without light; 0: each pixel's dark level, where the calibration has it");
+  list.number("threshold", threshold, 0, 65535,
+              "a pixel is lit when it is more than this above its background; where the calibration has vignetting, "
+              "times the light of the pixel's lenslet");
   list.flag("running_background", running_background,
             "background and noise of each pixel follow the images; starts from the one given");
-  list.number("threshold_sigmas", threshold_sigmas, 0, 1000,
-              "running background: a lit pixel is also this many of its own noise above its background");
+  list.number(
+      "threshold_sigmas", threshold_sigmas, 0, 1000,
+      "with a running background, or a calibration that has the noise: a lit pixel is also this many of its own "
+      "noise above its background");
   list.integer("background_frames", background_frames, 2, 100000,
                "images (times 16) that the running background looks back");
   list.numbers("volume_x_mm", volume_x_mm, 0, -1e4, 1e4, "image space [from, to]; empty: what the sensor covers");

@@ -11,12 +11,13 @@ namespace rptv {
 
 /// Lengths are in image space (origin where the axis meets the array, z towards the main lens) unless stated.
 struct LightFieldSettings {
-  std::string calibration;               ///< path of the calibration file
-  std::string background_image;          ///< path of an image without particles; empty: the constant `background`
-  double background = 0;                 ///< grey level without light
-  double threshold = 20;                 ///< a pixel is lit when it is more than this above its background, grey levels
-  bool running_background = false;       ///< background and noise of each pixel follow the images
-  double threshold_sigmas = 6;           ///< with a running background: at least this many of the pixel's own noise
+  std::string calibration;          ///< path of the calibration file
+  std::string background_image;     ///< path of an image without particles; empty: the constant `background`
+  double background = 0;            ///< grey level without light; 0: the calibration's, where it has one
+  double threshold = 20;            ///< a pixel is lit when it is more than this above its background, grey levels;
+                                    ///< times its lenslet's light where the calibration knows that
+  bool running_background = false;  ///< background and noise of each pixel follow the images
+  double threshold_sigmas = 6;      ///< where a pixel's own noise is known: at least this many of it
   std::int64_t background_frames = 100;  ///< how many images the running background looks back
 
   std::vector<double> volume_x_mm;           ///< [from, to]; empty: what the sensor covers

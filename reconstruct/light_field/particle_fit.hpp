@@ -18,13 +18,14 @@ struct FittedParticle {
   double support = 0;      ///< rays that it explains
   double residual_mm = 0;  ///< as covariance, only where it was asked for
   FitCovariance covariance{};
-  double light = 0;       ///< grey values in all; 0: not fitted to the image
-  double seen = 0;        ///< share of its light that falls on the sensor
-  double gain = 0;        ///< χ² that it explains
-  double agreement = 0;   ///< that over what a right model would explain; 1: nothing but noise is left
-  double crowded = 0;     ///< share of its light that falls where other particles' does
-  double ghost = 0;       ///< probability that it is none
-  double chi_square = 0;  ///< per pixel of its image; about 1 where the model and the noise are right
+  double light = 0;        ///< grey values in all; 0: not fitted to the image
+  double seen = 0;         ///< share of its light that falls on the sensor
+  double gain = 0;         ///< χ² that it explains
+  double agreement = 0;    ///< that over what a right model would explain; 1: nothing but noise is left
+  FitCovariance shared{};  ///< what the covariance has because neighbours' places are not known either, without misfit
+  double crowded = 0;      ///< share of its light that falls where other particles' does
+  double ghost = 0;        ///< probability that it is none
+  double chi_square = 0;   ///< per pixel of its image; about 1 where the model and the noise are right
 };
 
 struct FitOptions {

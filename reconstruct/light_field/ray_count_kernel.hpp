@@ -26,8 +26,8 @@ struct VoxelGrid {
 };
 
 /// A ray in units of voxels: at depth z it is at column + column_slope·z, row + row_slope·z; the centre of voxel
-/// (x, y) is at (x + 0.5, y + 0.5).
-struct VoxelRay {
+/// (x, y) is at (x + 0.5, y + 0.5). Aligned for loads of 16 bytes.
+struct alignas(16) VoxelRay {
   float column, row, column_slope, row_slope;
 };
 

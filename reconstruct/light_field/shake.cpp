@@ -188,8 +188,13 @@ void Shake::tell(const State& state, Worker& worker, FittedParticle& particle) c
   particle.seen =
       std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
   const double border_mm = border_error_mm(particle.at.z);
-  particle.covariance = covariance_of(state.sums, std::max(1.0, particle.chi_square), border_mm, options_.slope_rms,
-                                      column_of_.direction(particle.at));
+  const double misfit = std::max(1.0, particle.chi_square);
+  particle.covariance =
+      covariance_of(state.sums, misfit, border_mm, options_.slope_rms, column_of_.direction(particle.at));
+  auto& c = particle.covariance;
+  const auto& shared = particle.shared;
+  c = {c.xx + misfit * shared.xx, c.xy + misfit * shared.xy, c.xz + misfit * shared.xz,
+       c.yy + misfit * shared.yy, c.yz + misfit * shared.yz, c.zz + misfit * shared.zz};
 }
 
 double Shake::border_error_mm(double z_mm) const noexcept {

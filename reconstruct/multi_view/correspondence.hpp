@@ -44,6 +44,11 @@ class Correspondence {
   Correspondence(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options,
                  InstructionSet set = best_instruction_set());
 
+  /// From now on: sets of at least `min_views` views (2 to all), within `tolerance_px`.
+  void demand(std::size_t min_views, double tolerance_px) noexcept {
+    options_.min_views = min_views, options_.tolerance_px = tolerance_px;
+  }
+
   /// One list per view. Valid until the next call, as views().
   std::span<const ViewMatch> match(std::span<const Detections> seen) noexcept;
 

@@ -22,12 +22,14 @@ CudaViewGeometry geometry_of(const ViewRays& view) {
 
 }  // namespace
 
-MatchRig::MatchRig(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options)
+MatchRig::MatchRig(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options,
+                   unsigned threads_per_block)
     : views_(views),
       options_(options),
       device_(views.size()),
       judging_{volume.to - volume.centre(), TupleSolver::scale_mm(volume), options.tolerance_px,
-               static_cast<std::uint32_t>(options.min_views)} {
+               static_cast<std::uint32_t>(options.min_views)},
+      threads_per_block_(threads_per_block) {
   for (std::size_t second = 0; second < views.size(); ++second) {
     geometry_.push_back(geometry_of(views[second]));
     for (std::size_t first = 0; first < second; ++first) {

@@ -77,15 +77,17 @@ bool MatchStream::search() noexcept {
   CudaMatchCounts* counts = memory_.counts.data();
   bool ok = true;
   for (std::uint32_t v = 1; v < views.views; ++v)
-    ok = ok && sort_into_cells_cuda(views, v, sizes_[v], rig_.cell_of(v), stream_.handle());
+    ok = ok && sort_into_cells_cuda(views, v, sizes_[v], rig_.cell_of(v), stream_.handle(), rig_.threads_per_block());
   for (std::uint32_t first = 0; first + options.min_views <= views.views; ++first)
     for (std::uint32_t second = first + 1; second + options.min_views <= views.views + 1; ++second) {
       extension.first = first, extension.second = second;
-      ok = ok && find_pairs_cuda(rig_.search(views, first, second, sizes_), pencil, pairs, stream_.handle()) &&
-           extend_pairs_cuda(views, pairs, extension, hits, memory_.tuples.view(views.views), counts,
-                             stream_.handle()) &&
+      ok = ok &&
+           find_pairs_cuda(rig_.search(views, first, second, sizes_), pencil, pairs, stream_.handle(),
+                           rig_.threads_per_block()) &&
+           extend_pairs_cuda(views, pairs, extension, hits, memory_.tuples.view(views.views), counts, stream_.handle(),
+                             rig_.threads_per_block()) &&
            end_list_cuda(pairs.count, pairs.capacity, &counts->refused_pairs, stream_.handle()) && solve() &&
-           settle_cuda(views, device_matches(), options.tolerance_px, stream_.handle());
+           settle_cuda(views, device_matches(), options.tolerance_px, stream_.handle(), rig_.threads_per_block());
     }
   return ok;
 }
@@ -100,8 +102,9 @@ bool MatchStream::solve() noexcept {
   CudaTuples from = memory_.tuples.view(rig_.size()), to = memory_.doubtful.view(rig_.size());
   bool ok = true;
   for (std::size_t left = rig_.size(); left >= rig_.options().min_views; --left) {
-    ok = ok && solve_dlt_cuda(rows, from, points, stream_.handle()) &&
-         judge_tuples_cuda(views, from, points, rig_.judging(), device_matches(), to, stream_.handle()) &&
+    ok = ok && solve_dlt_cuda(rows, from, points, stream_.handle(), rig_.threads_per_block()) &&
+         judge_tuples_cuda(views, from, points, rig_.judging(), device_matches(), to, stream_.handle(),
+                           rig_.threads_per_block()) &&
          end_list_cuda(from.count, from.capacity, &memory_.counts.data()->refused_tuples, stream_.handle());
     std::swap(from, to);
   }
@@ -119,12 +122,14 @@ bool MatchStream::choose() noexcept {
     if (round > 0)
       ok = ok &&
            list_remains_cuda(matches, ghosts.chosen, ghosts.used, max_detections, rig_.judging().min_views,
-                             memory_.tuples.view(rig_.size()), stream_.handle()) &&
+                             memory_.tuples.view(rig_.size()), stream_.handle(), rig_.threads_per_block()) &&
            solve();
-    ok = ok && choose_by_rank_cuda(matches.tuples, ghosts, CudaRank::by_views_then_s, stream_.handle());
+    ok = ok && choose_by_rank_cuda(matches.tuples, ghosts, CudaRank::by_views_then_s, stream_.handle(),
+                                   rig_.threads_per_block());
   }
-  return ok && pack_chosen_cuda(matches, ghosts.chosen, memory_.packed.data(), memory_.packed_count.data(),
-                                static_cast<std::uint32_t>(memory_.max_matches), stream_.handle());
+  return ok &&
+         pack_chosen_cuda(matches, ghosts.chosen, memory_.packed.data(), memory_.packed_count.data(),
+                          static_cast<std::uint32_t>(memory_.max_matches), stream_.handle(), rig_.threads_per_block());
 }
 
 bool MatchStream::download() noexcept {

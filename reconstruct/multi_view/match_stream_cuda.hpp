@@ -16,7 +16,9 @@ class MatchRig {
  public:
   /// `views` must outlive this. Throws Error(unavailable) where a view sees another's pinhole, which only the CPU's
   /// search can do, or the device has no room.
-  MatchRig(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options);
+  /// `threads_per_block`: of the kernels, a multiple of 32.
+  MatchRig(std::span<const ViewRays> views, const Volume& volume, const CorrespondenceOptions& options,
+           unsigned threads_per_block = 128);
 
   std::size_t size() const noexcept { return views_.size(); }
   std::span<const ViewRays> views() const noexcept { return views_; }
@@ -24,6 +26,7 @@ class MatchRig {
   const CudaViewGeometry* on_device() const noexcept { return device_.data(); }
   const CellOf& cell_of(std::size_t view) const noexcept { return geometry_[view].cell; }
   const CudaJudging& judging() const noexcept { return judging_; }
+  unsigned threads_per_block() const noexcept { return threads_per_block_; }
   /// Search from `first` to `second` in what `views` holds.
   CudaPairSearch search(const CudaViews& views, std::size_t first, std::size_t second,
                         std::span<const std::uint32_t> counts) const noexcept;
@@ -35,6 +38,7 @@ class MatchRig {
   std::array<std::array<PencilOfLines, kMaxViews>, kMaxViews> lines_;
   DeviceArray<CudaViewGeometry> device_;
   CudaJudging judging_;
+  unsigned threads_per_block_;
 };
 
 /// Since construction.

@@ -5,31 +5,16 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
-#include "calibration/cameras/rig.hpp"
-#include "core/image.hpp"
 #include "reconstruct/detection/detections.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
-#include "reconstruct/multi_view/multi_view_settings.hpp"
+#include "reconstruct/multi_view/frame_gate.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
 
-/// A camera of the source: what frames call it, and their shape. `background`: an image without particles, or no data.
-struct MultiViewCamera {
-  std::string name;
-  ImageShape shape;
-  ImageView background;
-};
-
 /// Since construction, except where stated. Read on the reconstructing thread, or after it.
-struct MultiViewCounts {
-  std::uint64_t frames = 0;
-  std::uint64_t refused_frames = 0;  ///< sets of another number of cameras than the source has
-  std::uint64_t refused_views = 0;   ///< images that were missing, torn, or of another shape; the set goes on without
-  std::uint64_t too_few_views = 0;   ///< sets where fewer than min_views were left
+struct MultiViewCounts : FrameSetCounts {
   std::uint64_t refused_detections = 0, refused_particles = 0;  ///< beyond max_detections, max_particles
 };
 

@@ -5,6 +5,8 @@
 namespace rptv {
 
 void MultiViewSettings::fields(FieldList& list) {
+  list.choice("method", method, {"detections", "iterative"},
+              "once through the images; or their residuals searched again and again, for dense scenes");
   list.text("rig", rig, "rig file: the calibrated cameras, by the names that the source gives them");
   list.numbers("volume_x_mm", volume_x_mm, 0, -1e6, 1e6, "rig's frame, [from, to]; empty: what min_views cameras see");
   list.numbers("volume_y_mm", volume_y_mm, 0, -1e6, 1e6, "rig's frame, [from, to]; empty: what min_views cameras see");
@@ -20,6 +22,7 @@ void MultiViewSettings::fields(FieldList& list) {
                "sets of detections that meet in a frame, before ghosts are removed; more are counted as overflow");
   list.integer("threads", threads, 0, 1024, "that detect; 0: one a camera, as many as the machine has");
   list.section("detector", detector);
+  list.section("iterative", iterative);
 }
 
 }  // namespace rptv

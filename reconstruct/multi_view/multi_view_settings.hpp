@@ -7,24 +7,27 @@
 
 #include "core/settings.hpp"
 #include "reconstruct/detection/detector_settings.hpp"
+#include "reconstruct/multi_view/iteration_settings.hpp"
 
 namespace rptv {
 
 /// Lengths are in the rig's frame.
 struct MultiViewSettings {
-  std::string rig;                  ///< path of the rig file
-  std::vector<double> volume_x_mm;  ///< [from, to]; empty: what min_views cameras see together
-  std::vector<double> volume_y_mm;  ///< the same
-  std::vector<double> volume_z_mm;  ///< the same
-  std::int64_t min_views = 3;       ///< that must see a particle
-  double tolerance_px = 1;          ///< largest reprojection error of a particle, in every view
-  double calibration_px = 0.05;     ///< rms error that the calibration adds to a detection, per axis
-  std::string ghosts = "global";    ///< "global": the best choice of all; "rank": the seed's, in order of s
+  std::string method = "detections";  ///< "detections": once through the images; "iterative": dense scenes
+  std::string rig;                    ///< path of the rig file
+  std::vector<double> volume_x_mm;    ///< [from, to]; empty: what min_views cameras see together
+  std::vector<double> volume_y_mm;    ///< the same
+  std::vector<double> volume_z_mm;    ///< the same
+  std::int64_t min_views = 3;         ///< that must see a particle
+  double tolerance_px = 1;            ///< largest reprojection error of a particle, in every view
+  double calibration_px = 0.05;       ///< rms error that the calibration adds to a detection, per axis
+  std::string ghosts = "global";      ///< "global": the best choice of all; "rank": the seed's, in order of s
 
   std::int64_t max_particles = 16384;
   std::int64_t max_matches = 65536;  ///< sets of detections that meet, before ghosts are removed
   std::int64_t threads = 0;          ///< of detection; 0: one a camera, as many as the machine has
   DetectorSettings detector;
+  IterationSettings iterative;
 
   void fields(FieldList& list);
 };

@@ -27,7 +27,8 @@ Block::Block(uint3 index, std::size_t number, const Shape& shape, const std::vec
       order_(order),
       fibers_(fibers),
       storage_(shape.dynamic_bytes, shape.shared_limit_bytes, (order.size() + 31) / 32),
-      threads_(order.size()) {
+      threads_(order.size()),
+      warps_((order.size() + 31) / 32) {
   for (std::size_t i = 0; i < threads_.size(); ++i) {
     const auto n = static_cast<unsigned>(i);
     const dim3 size = shape.threads;
@@ -35,6 +36,7 @@ Block::Block(uint3 index, std::size_t number, const Shape& shape, const std::vec
     threads_[i].index = {n % size.x, n / size.x % size.y, n / size.x / size.y};
     threads_[i].lane = n % 32;
     threads_[i].warp = n / 32;
+    warps_[n / 32].alive |= 1u << n % 32;
   }
 }
 
@@ -76,9 +78,10 @@ void Block::advance(CudaThread& thread) {
     blame(thread, printed(thread.site) + ": " + thread.fault);
   } else if (thread.state == ThreadState::kExited) {
     ++exited_;
-    meet_in_warp(thread.warp);
+    leave_warp(thread.warp, thread.lane);
   } else if (thread.meeting != Meeting::kBlock) {
-    meet_in_warp(thread.warp);
+    warps_[thread.warp].waiting |= 1u << thread.lane;
+    meet_in_warp(thread.warp, thread.lane);
   }
 }
 

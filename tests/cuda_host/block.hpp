@@ -32,14 +32,19 @@ class Block {
 
  private:
   void advance(CudaThread& thread);
-  void meet_in_block();                 // when no thread is left that could go on
-  void meet_in_warp(std::size_t warp);  // lets groups of lanes go that are complete
+  void meet_in_block();                                // when no thread is left that could go on
+  void meet_in_warp(std::size_t warp, unsigned lane);  // lets the group that this lane waits with go, if it is complete
+  void leave_warp(std::size_t warp, unsigned lane);
   bool finish_group(std::size_t warp, unsigned mask, unsigned group);
-  unsigned lanes_in(std::size_t warp, ThreadState state) const;
   CudaThread& at(std::size_t warp, unsigned lane) { return threads_[warp * 32 + lane]; }
   bool blame(const CudaThread& thread, const std::string& what);
   std::string who_waits() const;
   void abandon();
+
+  /// Lanes that wait for others of their warp, and lanes that have not left the kernel.
+  struct Warp {
+    unsigned waiting = 0, alive = 0;
+  };
 
   uint3 index_;
   std::size_t number_;
@@ -47,6 +52,7 @@ class Block {
   FiberPool& fibers_;
   BlockStorage storage_;
   std::vector<CudaThread> threads_;
+  std::vector<Warp> warps_;
   std::size_t exited_ = 0;
   bool faulty_ = false;
   std::string fault_;

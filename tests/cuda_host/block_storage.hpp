@@ -21,6 +21,7 @@ class BlockStorage {
   /// The array of this tag, or null when nobody asked for it yet. Safe to call on a fiber.
   void* find(const void* tag) const;
   void* dynamic() const { return arrays_[0].memory; }
+  std::size_t dynamic_bytes() const { return arrays_[0].size_bytes; }
 
   /// Makes an array. On failure null, and `fault` says why.
   void* add(const void* tag, std::size_t size_bytes, std::size_t alignment_bytes, const char* name, Site site,

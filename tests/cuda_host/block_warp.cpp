@@ -10,6 +10,7 @@ namespace rptv::cuda_host {
 namespace {
 
 unsigned bit(unsigned lane) { return 1u << lane; }
+unsigned lowest(unsigned lanes) { return static_cast<unsigned>(__builtin_ctz(lanes)); }
 
 std::string hex(unsigned mask) {
   char text[16];
@@ -23,44 +24,33 @@ bool same_call(const CudaThread& a, const CudaThread& b) {
 
 }  // namespace
 
-unsigned Block::lanes_in(std::size_t warp, ThreadState state) const {
-  unsigned lanes = 0;
-  for (unsigned lane = 0; lane < 32 && warp * 32 + lane < threads_.size(); ++lane) {
-    if (threads_[warp * 32 + lane].state == state) lanes |= bit(lane);
+void Block::meet_in_warp(std::size_t warp, unsigned lane) {
+  const CudaThread& first = at(warp, lane);
+  if ((first.mask & bit(lane)) == 0) {
+    blame(first, printed(first.site) + ": the mask " + hex(first.mask) + " leaves out lane " + std::to_string(lane) +
+                     " itself");
+    return;
   }
-  return lanes;
+  const unsigned needed = first.mask & warps_[warp].alive;
+  if ((warps_[warp].waiting & needed) != needed) return;
+  for (unsigned left = needed; left != 0; left &= left - 1) {
+    if (at(warp, lowest(left)).mask != first.mask) return;
+  }
+  finish_group(warp, first.mask, needed);
 }
 
-void Block::meet_in_warp(std::size_t warp) {
-  const unsigned waiting = lanes_in(warp, ThreadState::kWaiting);
-  const unsigned alive = waiting | lanes_in(warp, ThreadState::kReady);
-  for (unsigned left = waiting; left != 0 && !faulty_;) {
-    const auto lane = static_cast<unsigned>(__builtin_ctz(left));
-    left &= ~bit(lane);
-    const CudaThread& first = at(warp, lane);
-    if (first.meeting == Meeting::kBlock) continue;
-    if ((first.mask & bit(lane)) == 0) {
-      blame(first, printed(first.site) + ": the mask " + hex(first.mask) + " leaves out lane " + std::to_string(lane) +
-                       " itself");
-      return;
-    }
-    unsigned group = 0;
-    for (unsigned other = 0; other < 32; ++other) {
-      if ((waiting & bit(other)) == 0) continue;
-      const CudaThread& thread = at(warp, other);
-      if (thread.meeting != Meeting::kBlock && thread.mask == first.mask) group |= bit(other);
-    }
-    left &= ~(group & first.mask);
-    if ((group & first.mask) == (first.mask & alive)) finish_group(warp, first.mask, group & first.mask);
+void Block::leave_warp(std::size_t warp, unsigned lane) {
+  warps_[warp].alive &= ~bit(lane);
+  for (unsigned left = warps_[warp].waiting; left != 0 && !faulty_; left &= left - 1) {
+    if ((warps_[warp].waiting & bit(lowest(left))) != 0) meet_in_warp(warp, lowest(left));
   }
 }
 
 bool Block::finish_group(std::size_t warp, unsigned mask, unsigned group) {
-  const auto first_lane = static_cast<unsigned>(__builtin_ctz(group));
-  const CudaThread& first = at(warp, first_lane);
+  const CudaThread& first = at(warp, lowest(group));
   unsigned ballot = 0;
-  for (unsigned lane = 0; lane < 32; ++lane) {
-    if ((group & bit(lane)) == 0) continue;
+  for (unsigned left = group; left != 0; left &= left - 1) {
+    const unsigned lane = lowest(left);
     const CudaThread& thread = at(warp, lane);
     if (!same_call(first, thread)) {
       return blame(thread, "lanes of mask " + hex(mask) + " meet in different calls: " + printed(first.site) + " and " +
@@ -72,10 +62,10 @@ bool Block::finish_group(std::size_t warp, unsigned mask, unsigned group) {
                                ", which takes no part in it (mask " + hex(mask) + ")");
     }
   }
-  storage_.warp_met(warp, static_cast<unsigned>(__builtin_ctz(mask)));
-  for (unsigned lane = 0; lane < 32; ++lane) {
-    if ((group & bit(lane)) == 0) continue;
-    CudaThread& thread = at(warp, lane);
+  storage_.warp_met(warp, lowest(mask));
+  warps_[warp].waiting &= ~group;
+  for (unsigned left = group; left != 0; left &= left - 1) {
+    CudaThread& thread = at(warp, lowest(left));
     thread.state = ThreadState::kReady;
     thread.result = 0;
     if (thread.meeting == Meeting::kBallot) thread.result = ballot;

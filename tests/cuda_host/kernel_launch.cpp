@@ -5,6 +5,7 @@
 #include "tests/cuda_host/control.hpp"
 #include "tests/cuda_host/device_limits.hpp"
 #include "tests/cuda_host/launch.hpp"
+#include "tests/cuda_host/ptx_kernels.hpp"
 #include "tests/cuda_host/runtime.hpp"
 
 namespace rptv::cuda_host {
@@ -34,8 +35,16 @@ std::string wrong_with(const cudaLaunchConfig_t& config, std::size_t shared_limi
 
 }  // namespace
 
-cudaError_t enqueue_kernel(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body) {
+cudaError_t enqueue_kernel(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body,
+                           const ArgumentView* arguments, std::size_t count) {
   return call([&](Runtime& device) {
+    if (runs_ptx()) {
+      try {
+        body = ptx_body(kernel, arguments, count);
+      } catch (const PtxError& error) {
+        return device.blame(cudaErrorInvalidDeviceFunction, error.what());
+      }
+    }
     const auto raised = device.dynamic_limit_bytes.find(kernel);
     const std::size_t limit_bytes =
         raised == device.dynamic_limit_bytes.end() ? kSharedBytes : std::max(kSharedBytes, raised->second);

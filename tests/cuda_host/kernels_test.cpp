@@ -3,50 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
+#include <random>
 #include <vector>
 
-#include "reconstruct/cuda_device.hpp"
 #include "tests/cuda_host/device_values.hpp"
+#include "tests/cuda_host/sample_kernels.hpp"
 
 namespace {
 
+using namespace rptv::cuda_host::sample;
 using rptv::cuda_host::DeviceValues;
-
-__global__ void block_sums(const int* values, int count, long long* sums) {
-  RPTV_SHARED(int, of_warp, [32]);
-  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  int sum = i < count ? values[i] : 0;
-  for (unsigned step = 16; step > 0; step /= 2) sum += __shfl_down_sync(0xffffffffu, sum, step);
-  if (threadIdx.x % 32 == 0) of_warp[threadIdx.x / 32] = sum;
-  __syncthreads();
-  if (threadIdx.x != 0) return;
-  long long total = 0;
-  for (unsigned warp = 0; warp < blockDim.x / 32; ++warp) total += of_warp[warp];
-  sums[blockIdx.x] = total;
-}
-
-__global__ void histogram(const unsigned* values, int count, unsigned* bins) {
-  RPTV_DYNAMIC_SHARED(unsigned, mine);
-  for (unsigned bin = threadIdx.x; bin < 64; bin += blockDim.x) mine[bin] = 0;
-  __syncthreads();
-  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i < count) atomicAdd(&mine[values[i] % 64], 1u);
-  __syncthreads();
-  for (unsigned bin = threadIdx.x; bin < 64; bin += blockDim.x) atomicAdd(&bins[bin], mine[bin]);
-}
-
-__global__ void keep_odd(const int* values, int count, int* kept, int* kept_count) {
-  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  const bool odd = i < count && (values[i] & 1) != 0;
-  const unsigned lanes = __ballot_sync(0xffffffffu, odd);
-  const int lane = static_cast<int>(threadIdx.x % 32);
-  int first = 0;
-  if (lane == 0 && lanes != 0) first = atomicAdd(kept_count, __popc(lanes));
-  first = __shfl_sync(0xffffffffu, first, 0);
-  if (odd) kept[first + __popc(lanes & ((1u << lane) - 1u))] = values[i];
-}
 
 struct Schedule {
   unsigned block_size;
@@ -103,6 +74,101 @@ TEST_P(Kernels, append_by_ballot) {
   std::vector<int> found = kept.read();
   std::sort(found.begin(), found.end());
   for (int i = 0; i < 250; ++i) EXPECT_EQ(found[static_cast<std::size_t>(i)], 2 * i + 1);
+}
+
+TEST_P(Kernels, arithmetic_is_the_hosts_bit_for_bit) {
+  std::mt19937 random(7);
+  std::vector<double> a, b;
+  std::vector<int> m, n;
+  for (int i = 0; i < 2000; ++i) {
+    a.push_back(std::ldexp(static_cast<double>(random()) - 2e9, static_cast<int>(random() % 40) - 36));
+    b.push_back(std::ldexp(static_cast<double>(random()) - 2e9, static_cast<int>(random() % 40) - 36));
+    m.push_back(static_cast<int>(random() % 60001) - 30000);
+    n.push_back(static_cast<int>(random()));
+  }
+  const double edges[] = {0.0,         -0.0, 0.5, -0.5, 2.5, 1e300, -1e-310, std::numeric_limits<double>::infinity(),
+                          std::nan("")};
+  for (std::size_t i = 0; i < std::size(edges); ++i) b[i] = edges[i];
+  const DeviceValues<double> device_a(a), device_b(b);
+  const DeviceValues<int> device_m(m), device_n(n);
+  const DeviceValues<Arithmetic> results(std::vector<Arithmetic>(a.size()));
+  const cudaLaunchConfig_t launch = config(a.size());
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, arithmetic, device_a.get(), device_b.get(), device_m.get(), device_n.get(),
+                               2000u, results.get()),
+            cudaSuccess)
+      << rptv::cuda_host::last_fault();
+  const std::vector<Arithmetic> found = results.read();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Arithmetic expected = arithmetic_of(a[i], b[i], m[i], n[i]);
+    EXPECT_TRUE(found[i].real == expected.real || (std::isnan(found[i].real) && std::isnan(expected.real))) << i;
+    EXPECT_TRUE(found[i].single == expected.single || (std::isnan(found[i].single) && std::isnan(expected.single)))
+        << i;
+    EXPECT_EQ(found[i].whole, expected.whole) << i;
+    EXPECT_EQ(found[i].bits, expected.bits) << i;
+  }
+}
+
+TEST_P(Kernels, bits_and_votes) {
+  std::mt19937 random(3);
+  std::vector<unsigned> values(700);
+  for (unsigned& value : values) value = static_cast<unsigned>(random()) >> random() % 32;
+  const DeviceValues<unsigned> device_values(values);
+  const std::vector<int> none(values.size(), -1);
+  const DeviceValues<int> set(none), zeros(none), lowest(none), votes(none);
+  const cudaLaunchConfig_t launch = config(values.size());
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, rptv::cuda_host::sample::bits_and_votes, device_values.get(), 700u, set.get(),
+                               zeros.get(), lowest.get(), votes.get()),
+            cudaSuccess);
+  const std::vector<int> found_set = set.read(), found_zeros = zeros.read(), found_lowest = lowest.read(),
+                         found_votes = votes.read();
+  const auto value_at = [&](std::size_t i) { return i < values.size() ? values[i] : 0u; };
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t block = i / GetParam().block_size * GetParam().block_size, warp = i / 32 * 32;
+    int odd = 0, some = 0, every = 1;
+    for (std::size_t k = block; k < block + GetParam().block_size; ++k) odd += static_cast<int>(value_at(k) & 1u);
+    for (std::size_t k = warp; k < warp + 32; ++k) some |= value_at(k) > 1000000u, every &= value_at(k) > 5u;
+    const unsigned next = i % 16 == 15 ? values[i] : value_at(i + 1);
+    EXPECT_EQ(found_set[i], std::popcount(values[i]));
+    EXPECT_EQ(found_zeros[i], std::countl_zero(values[i]));
+    EXPECT_EQ(found_lowest[i], values[i] == 0 ? 0 : std::countr_zero(values[i]) + 1);
+    EXPECT_EQ(found_votes[i], odd + 10000 * some + 20000 * every + 40000 * (next > values[i] ? 1 : 0));
+  }
+}
+
+TEST_P(Kernels, greatest_value_by_atomics) {
+  std::vector<unsigned> values(300, 7);
+  values[123] = values[200] = 4000000000u;
+  const DeviceValues<unsigned> device_values(values), value(std::vector<unsigned>(1, 0));
+  const DeviceValues<unsigned long long> packed(std::vector<unsigned long long>(1, 0));
+  const cudaLaunchConfig_t launch = config(values.size());
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, greatest, device_values.get(), 300u, value.get(), packed.get()), cudaSuccess);
+  EXPECT_EQ(value.read()[0], 4000000000u);
+  EXPECT_EQ(0xffffffffu - static_cast<unsigned>(packed.read()[0]), 123u);
+}
+
+TEST_P(Kernels, fault_ends_the_launch) {
+  const DeviceValues<unsigned> seen(std::vector<unsigned>(1024, 0));
+  const cudaLaunchConfig_t launch = config(1);
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, meet_or_not, 1, seen.get()), cudaSuccess);
+  ASSERT_EQ(cudaDeviceSynchronize(), cudaSuccess) << rptv::cuda_host::last_fault();
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, meet_or_not, 0, seen.get()), cudaSuccess);
+  EXPECT_EQ(cudaDeviceSynchronize(), cudaErrorLaunchFailure);
+  EXPECT_NE(rptv::cuda_host::last_fault().find("have left the kernel"), std::string::npos);
+  rptv::cuda_host::forget_faults();
+}
+
+TEST_P(Kernels, overrun_of_a_shared_array_ends_the_launch) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "AddressSanitizer ends the process instead (overruns_test.cpp)";
+#endif
+  const DeviceValues<unsigned> sums(std::vector<unsigned>(64, 0));
+  const cudaLaunchConfig_t launch = config(1);
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, fill_shared, 64u, sums.get()), cudaSuccess);
+  ASSERT_EQ(cudaDeviceSynchronize(), cudaSuccess) << rptv::cuda_host::last_fault();
+  ASSERT_EQ(cudaLaunchKernelEx(&launch, fill_shared, 65u, sums.get()), cudaSuccess);
+  EXPECT_EQ(cudaDeviceSynchronize(), cudaErrorLaunchFailure);
+  EXPECT_NE(rptv::cuda_host::last_fault().find("values"), std::string::npos);
+  rptv::cuda_host::forget_faults();
 }
 
 INSTANTIATE_TEST_SUITE_P(schedules, Kernels,

@@ -26,8 +26,15 @@ struct cudaLaunchConfig_t {
 
 namespace rptv::cuda_host {
 
-/// Queues the kernel, or says at once what is wrong with the launch.
-cudaError_t enqueue_kernel(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body);
+/// One argument of a launch as the kernel takes it.
+struct ArgumentView {
+  const void* value;
+  std::size_t size_bytes;
+};
+
+/// Queues the kernel, or says at once what is wrong with the launch. `arguments` are those that `body` holds.
+cudaError_t enqueue_kernel(const cudaLaunchConfig_t& config, const void* kernel, std::function<void()> body,
+                           const ArgumentView* arguments, std::size_t count);
 
 /// Notes a fault and returns false where a kernel is given memory that only the host has.
 bool reachable_from_device(const void* pointer, std::size_t parameter);
@@ -50,6 +57,8 @@ cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t* config, void (*kernel)(
     const bool all_reachable = (rptv::cuda_host::reachable(converted, parameter++) && ... && true);
     if (!all_reachable) return cudaErrorInvalidValue;
     const auto body = [kernel, values = std::tuple<Parameters...>(converted...)] { std::apply(kernel, values); };
-    return rptv::cuda_host::enqueue_kernel(*config, reinterpret_cast<const void*>(kernel), body);
+    const rptv::cuda_host::ArgumentView arguments_now[] = {{&converted, sizeof converted}..., {nullptr, 0}};
+    return rptv::cuda_host::enqueue_kernel(*config, reinterpret_cast<const void*>(kernel), body, arguments_now,
+                                           sizeof...(Parameters));
   }(std::forward<Arguments>(arguments)...);
 }

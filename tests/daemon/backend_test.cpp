@@ -33,15 +33,15 @@ std::string refusal(const Config& config, const CudaProbe& probe) {
 TEST(Backend, is_the_gpu_where_there_is_one_and_nothing_forbids_it) {
   for (const char* wanted : {"auto", "cuda"}) {
     const Backend backend = choose_backend(with(wanted), kGpu);
-    EXPECT_NE(backend.make_device, nullptr);
+    EXPECT_TRUE(backend.device);
     EXPECT_EQ(backend.text, "reconstructing on Some GPU, 24 MiB");
   }
-  EXPECT_EQ(choose_backend(with("cpu"), kGpu).make_device, nullptr);
+  EXPECT_FALSE(choose_backend(with("cpu"), kGpu).device);
 }
 
 TEST(Backend, is_the_cpu_by_itself_where_there_is_no_gpu_and_says_why) {
   const Backend backend = choose_backend(with("auto"), kNoDriver);
-  EXPECT_EQ(backend.make_device, nullptr);
+  EXPECT_FALSE(backend.device);
   EXPECT_EQ(backend.text, "reconstructing on the CPU: no NVIDIA driver is installed");
 }
 
@@ -55,10 +55,30 @@ TEST(Backend, is_the_cpu_for_what_the_device_does_not_do) {
   views.reconstruction.kind = "multi_view";
   exhaustive.light_field.counting = "exhaustive";
   for (Config* config : {&views, &exhaustive}) {
-    EXPECT_EQ(choose_backend(*config, kGpu).make_device, nullptr);
+    EXPECT_FALSE(choose_backend(*config, kGpu).device);
     config->reconstruction.backend = "cuda";
     EXPECT_THAT(refusal(*config, kGpu), HasSubstr("runs on the CPU only"));
   }
+}
+
+TEST(Backend, is_the_gpu_after_a_trial_that_it_won_or_where_it_must_be_used) {
+  const DeviceTrial won{"", 2.5, 1.25}, lost{"", 0.5, 1.25};
+  const Backend faster = judge(with("auto"), "Some GPU", won);
+  EXPECT_TRUE(faster.device);
+  EXPECT_EQ(faster.text, "reconstructing on Some GPU: 1.25 ms to the candidates of a test image, the CPU takes 2.50");
+  const Backend slower = judge(with("auto"), "Some GPU", lost);
+  EXPECT_FALSE(slower.device);
+  EXPECT_EQ(slower.text, "reconstructing on the CPU: 0.50 ms to the candidates of a test image, Some GPU takes 1.25");
+  EXPECT_TRUE(judge(with("cuda"), "Some GPU", lost).device);
+}
+
+TEST(Backend, is_never_a_gpu_that_gives_other_results) {
+  const DeviceTrial wrong{"it finds other rays", 0, 0};
+  const Backend backend = judge(with("auto"), "Some GPU", wrong);
+  EXPECT_FALSE(backend.device);
+  EXPECT_THAT(backend.text,
+              HasSubstr("Some GPU does not repeat what the CPU makes of a test image: it finds other rays"));
+  EXPECT_THROW(judge(with("cuda"), "Some GPU", wrong), Error);
 }
 
 }  // namespace

@@ -110,6 +110,25 @@ TEST(MultiViewRun, is_warned_by_check_of_a_camera_whose_images_are_saturated_or_
   EXPECT_THAT(said.out, Not(HasSubstr("swapped")));
 }
 
+TEST(MultiViewRun, by_iteration_gives_them_too_with_and_without_tracks) {
+  const PaintedRecording recording;
+  const std::vector<std::string> iterative{"--config", recording.file("run.toml"), "--set",
+                                           "multi_view.method=iterative"};
+  const auto with = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), iterative.begin(), iterative.end());
+    more.insert(more.begin(), command);
+    const auto said = testing::run_rapidptv(more);
+    EXPECT_EQ(said.code, 0) << said.err;
+    return said.err;
+  };
+  with("run", {"--points", recording.file("tracked.csv")});
+  with("run", {"--points", recording.file("run.csv"), "--set", "multi_view.iterative.use_tracks=false"});
+  EXPECT_THAT(with("reconstruct", {"-o", recording.file("table.csv")}), HasSubstr("reconstructed 2 of 2 instants"));
+  EXPECT_NEAR(static_cast<double>(depths(recording.file("table.csv")).size()), 80, 4);
+  EXPECT_EQ(depths(recording.file("run.csv")), depths(recording.file("table.csv")));
+  EXPECT_NEAR(static_cast<double>(depths(recording.file("tracked.csv")).size()), 80, 4);
+}
+
 const LossCount* loss_of(const std::vector<LossCount>& losses, LossCause cause) {
   const auto found = std::find_if(losses.begin(), losses.end(), [cause](const LossCount& loss) {
     return loss.cause == cause && loss.place == "reconstruction";

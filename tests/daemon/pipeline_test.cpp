@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "daemon/session.hpp"
 #include "tests/core/allocation_counter.hpp"
@@ -165,6 +166,52 @@ TEST_P(SlowConsumer, loses_by_policy_and_counts_every_frame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Policies, SlowConsumer, ::testing::Values("newest", "lossless", "bounded"));
+
+/// The real reconstruction, which also asks for the tracks that are expected, and notes how many there were.
+class ExpectingReconstructor final : public Reconstructor {
+ public:
+  explicit ExpectingReconstructor(std::unique_ptr<Reconstructor> real) : real_(std::move(real)) {}
+  bool uses_tracks() const noexcept override { return true; }
+  void expect(const Tracks& expected) noexcept override {
+    told_ = true;
+    expected_ = expected.size();
+  }
+  void reconstruct(const FrameSet& frames, Particles& out) noexcept override {
+    EXPECT_TRUE(std::exchange(told_, false));
+    real_->reconstruct(frames, out);
+    EXPECT_GE(expected_, last_particles_);  // all that the linker had of the frame before, and remembered ones
+    last_particles_ = out.size();
+  }
+
+ private:
+  std::unique_ptr<Reconstructor> real_;
+  bool told_ = false;
+  std::size_t expected_ = 0, last_particles_ = 0;
+};
+
+std::vector<double> track_columns(Pipeline& pipeline) {
+  std::vector<double> columns;
+  pipeline.add_reader([&](ResultLease&& result) {
+    for (std::size_t i = 0; i < result->tracks.size(); ++i) {
+      columns.push_back(static_cast<double>(result->tracks.particle[i]));
+      columns.push_back(result->tracks.x_mm[i]), columns.push_back(result->tracks.vz_mm_s[i]);
+    }
+  });
+  pipeline.start();
+  wait_until_finished(pipeline);
+  pipeline.stop();
+  return columns;
+}
+
+TEST(Pipeline, takes_turns_with_the_linker_where_tracks_are_expected_and_links_the_same) {
+  const Config config = recording().config();
+  auto source = make_source(config);
+  auto expecting = std::make_unique<ExpectingReconstructor>(make_reconstructor(config, source->cameras()));
+  Pipeline in_turns(std::move(source), std::move(expecting), config.linker, options_of(config));
+  const auto columns = track_columns(in_turns);
+  EXPECT_GT(columns.size(), 100U);
+  EXPECT_EQ(columns, track_columns(*make_pipeline(config)));
+}
 
 TEST(Pipeline, allocates_nothing_for_a_frame_once_it_runs) {
   if (!AllocationCounter::kCounts) GTEST_SKIP() << "a sanitizer owns the allocator";

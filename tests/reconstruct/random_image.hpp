@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/image.hpp"
+#include "reconstruct/lit_pixels.hpp"
 
 namespace rptv::testing {
 
@@ -45,6 +46,16 @@ inline RandomImage any_image(std::uint32_t most) {
       if (random() % 10 < lit_in_ten)
         image.set(x, y, static_cast<std::uint16_t>(top - random() % levels * (top / levels)));
   return image;
+}
+
+/// The same for all pixels, or the grey values of another random image.
+inline DarkLimit any_limit(const RandomImage& image) {
+  const double threshold = *rc::gen::element(0.0, 20.0, 300.0, 70000.0);
+  if (*rc::gen::arbitrary<bool>()) return DarkLimit(image.shape, 100, threshold);
+  RandomImage background = image;
+  std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
+  for (auto& byte : background.bytes) byte = static_cast<std::byte>(random() % 256);
+  return DarkLimit(background.view(), threshold);
 }
 
 }  // namespace rptv::testing

@@ -83,7 +83,7 @@ TEST(PixelStatistics, follows_a_change_and_forgets_a_wrong_start) {
 TEST(DarkLimit, follows_mean_and_noise) {
   DarkLimit limit({4, 1, 2}, 0, 0);
   const std::vector<float> mean{10, 10, 70000, 3.5F}, sigma{1, 8, 1, 0.5F};
-  limit.follow(mean, sigma, 20, 5);
+  limit.follow(mean, sigma, {}, 20, 5);
   EXPECT_EQ(std::vector<std::uint16_t>(limit.limits().begin(), limit.limits().end()),
             (std::vector<std::uint16_t>{30, 50, 65535, 23}));
 }

@@ -123,9 +123,9 @@ TEST(LensletLattice, a_hexagonal_distorted_array_gives_every_pixel_the_nearest_s
 
 TEST(LensletLattice, a_masked_lenslet_gets_no_pixel_neither_alone_nor_among_others) {
   auto camera = small_camera(3, 90, 14);
-  camera.mask = {-1, -1, 3, 3, {0, 0, 0, 0, 8, 0, 0, 0, 0}};  // lenslet (0, 0)
+  camera.arrays.ray = {-1, -1, 3, 3, {0, 0, 0, 0, 8, 0, 0, 0, 0}};  // lenslet (0, 0)
   const LensletLattice masked(camera);
-  camera.mask = {};
+  camera.arrays.ray = {};
   const LensletLattice all(camera);
   std::size_t lost = 0;
   for (int row = 0; row < 150; ++row)

@@ -39,19 +39,9 @@ Found by_device(const RandomImage& image, const DarkLimit& limit, std::uint32_t 
   return found;
 }
 
-/// The same for all pixels, or the grey values of another random image.
-DarkLimit any_limit(const RandomImage& image) {
-  const double threshold = *rc::gen::element(0.0, 20.0, 300.0, 70000.0);
-  if (*rc::gen::arbitrary<bool>()) return DarkLimit(image.shape, 100, threshold);
-  RandomImage background = image;
-  std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
-  for (auto& byte : background.bytes) byte = static_cast<std::byte>(random() % 256);
-  return DarkLimit(background.view(), threshold);
-}
-
 RC_GTEST_PROP(LitMaximaCuda, are_those_of_the_cpu_in_raster_order, ()) {
   const RandomImage image = testing::any_image(*rc::gen::element(3U, 35U, 100U));
-  const DarkLimit limit = any_limit(image);
+  const DarkLimit limit = testing::any_limit(image);
   const auto capacity = *rc::gen::element(0U, 3U, 20000U);
   std::vector<PixelIndex> expected(capacity);
   const std::size_t all = find_lit_maxima(image.view(), limit, expected);

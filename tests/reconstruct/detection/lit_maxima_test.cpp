@@ -14,6 +14,7 @@
 namespace rptv {
 namespace {
 
+using testing::any_limit;
 using testing::RandomImage;
 
 std::vector<PixelIndex> plain_maxima(const RandomImage& image, const DarkLimit& limit) {
@@ -32,16 +33,6 @@ std::vector<PixelIndex> plain_maxima(const RandomImage& image, const DarkLimit& 
       if (is_maximum) maxima.push_back({x, y});
     }
   return maxima;
-}
-
-// The same for all pixels, or the grey values of another random image.
-DarkLimit any_limit(const RandomImage& image) {
-  const double threshold = *rc::gen::element(0.0, 20.0, 300.0, 70000.0);
-  if (*rc::gen::arbitrary<bool>()) return DarkLimit(image.shape, 100, threshold);
-  RandomImage background = image;
-  std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
-  for (auto& byte : background.bytes) byte = static_cast<std::byte>(random() % 256);
-  return DarkLimit(background.view(), threshold);
 }
 
 RC_GTEST_PROP(LitMaxima, are_those_of_a_plain_loop_with_every_instruction_set, ()) {

@@ -72,6 +72,50 @@ TEST(Accuracy, is_what_covariances_promise_and_less_than_twice_the_cramer_rao_bo
   }
 }
 
+// Each particle shares its pixels with a dozen others. Those that are two, taken for one, have covariances of one: they
+// are told by the ghost probability.
+TEST(Accuracy, covariances_hold_where_particles_overlap) {
+  constexpr double kSure = 0.1;
+  auto scenario = bench::dense_scenario(0.3, 6);
+  scenario.rays_per_particle = 16384;  // with 2048 the traced image's own noise is as large as that of its photons
+  auto scene = bench::simulated_scene("", scenario, 0);
+  scene.settings.refine = true, scene.settings.refine_search = "grey_values";
+  LightField light_field(scene.settings, scene.calibration, {});
+  Particles found(4096);
+  light_field.reconstruct(scene.view(), found);
+  double sure = 0, in_view = 0;
+  std::array<double, 3> joint{}, alone{};
+  for (const auto& m : match(found, scene, 0.0625, 2)) {
+    if (scene.in_view[m.truth] == 0) continue;
+    ++in_view;
+    if (found.ghost[m.found] > kSure) continue;
+    ++sure;
+    const auto& at = scene.truth[m.truth].at;
+    const auto& c = found.covariance_mm2[m.found];
+    const auto& fitted = light_field.fitted()[m.found];
+    const double misfit = std::max(1.0, fitted.chi_square);
+    const std::array<double, 3> error{found.x_mm[m.found] - at.x, found.y_mm[m.found] - at.y,
+                                      found.z_mm[m.found] - at.z};
+    const std::array<double, 3> variance{c[0], c[3], c[5]};
+    const std::array<double, 3> shared{fitted.shared.xx, fitted.shared.yy, fitted.shared.zz};
+    for (std::size_t k = 0; k < 3; ++k) {
+      joint[k] += error[k] * error[k] / variance[k];
+      alone[k] += error[k] * error[k] / (variance[k] - misfit * shared[k]);
+    }
+  }
+  fmt::print(
+      "dense: {} of {} sure; variance of normalised errors x {:.2f} y {:.2f} z {:.2f}, as if neighbours were "
+      "known x {:.2f} y {:.2f} z {:.2f}; {} rough\n",
+      sure, in_view, joint[0] / sure, joint[1] / sure, joint[2] / sure, alone[0] / sure, alone[1] / sure,
+      alone[2] / sure, light_field.counts().rough_covariances);
+  EXPECT_GE(sure, 0.98 * in_view);
+  EXPECT_EQ(light_field.counts().rough_covariances, 0U);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(joint[k] / sure, 1, 0.2);
+    EXPECT_GT(alone[k] / sure, 1.25);
+  }
+}
+
 TEST(Accuracy, ghosts_have_several_times_the_ghost_probability_of_particles) {
   auto scene = bench::simulated_scene("", bench::dense_scenario(0.15, 6), 7);
   scene.settings.refine = true;

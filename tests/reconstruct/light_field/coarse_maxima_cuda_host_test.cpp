@@ -24,7 +24,8 @@ struct Found {
   std::size_t refused = 0;
   bool operator==(const Found& other) const {
     return refused == other.refused && candidates.size() == other.candidates.size() &&
-           std::memcmp(candidates.data(), other.candidates.data(), candidates.size() * sizeof(Candidate)) == 0;
+           (candidates.empty() ||
+            std::memcmp(candidates.data(), other.candidates.data(), candidates.size() * sizeof(Candidate)) == 0);
   }
 };
 

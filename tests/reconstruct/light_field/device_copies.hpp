@@ -11,6 +11,12 @@
 
 namespace rptv::testing {
 
+#if defined(__SANITIZE_THREAD__)
+inline constexpr bool kWatchesRaces = true;  // slow: small cases show as much
+#else
+inline constexpr bool kWatchesRaces = false;
+#endif
+
 inline constexpr unsigned kBlockSizes[] = {32, 96, 256};
 inline constexpr std::uint64_t kSchedules[] = {0, 1, 5};
 

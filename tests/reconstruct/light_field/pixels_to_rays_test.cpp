@@ -148,7 +148,7 @@ TEST(PixelsToRays, pixels_of_a_masked_lenslet_give_no_ray) {
   std::vector<std::uint32_t> lit(120 * 90);
   for (std::uint32_t i = 0; i < lit.size(); ++i) lit[i] = i;
   const LensletLattice all(camera);
-  camera.mask = {0, 0, 1, 1, {lenslet_reason::kBrightness}};
+  camera.arrays.ray = {0, 0, 1, 1, {lenslet_reason::kBrightness}};
   const LensletLattice masked(camera);
   Rays before(lit.size(), all.size()), after(lit.size(), masked.size());
   PixelsToRays(camera, all, 1).convert(lit, before);

@@ -120,7 +120,7 @@ TEST(MatchStream, of_empty_views_finds_nothing) {
 TEST(MatchStream, counts_what_it_has_no_room_for) {
   ViewScene scene = testing::make_scene(4, 0, 0.1);
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> column(300, 1500), row(200, 900);
+  std::uniform_real_distribution<double> column(800, 1100), row(450, 750);
   for (Detections& seen : scene.detections) {
     seen = Detections(700);
     for (int i = 0; i < 700; ++i) seen.push({column(random), row(random), 0.1, 100, 9});
