@@ -18,7 +18,7 @@ namespace rptv {
 namespace {
 
 constexpr std::size_t kLeastCameras = 3;   // two disagree across their epipolar lines only
-constexpr std::size_t kEnoughCameras = 4;  // more lose the particles that one camera misses
+constexpr std::size_t kSearchedViews = 4;  // more lose the particles that one camera misses
 
 struct SeenParticles {
   Volume volume;
@@ -67,7 +67,7 @@ RefinedRig refine_rig(const Config& config, const RefineOptions& options) {
   refined.place = places_in(refined.rig, cameras);
   Rig start;
   for (const std::size_t place : refined.place) start.cameras.push_back(refined.rig.cameras[place]);
-  const DisparitySearch search{seen.volume, std::min(cameras.size(), kEnoughCameras)};
+  const DisparitySearch search{seen.volume, std::min(cameras.size(), kSearchedViews)};
   Progress progress("searching", options.self_calibration.rounds + 1);
   const auto gather = [&](const Rig& rig, DisparityMaps& maps) {
     gather_disparities(rig, search, seen.frames, maps);

@@ -26,7 +26,7 @@ struct Options {
 Config resolve(const Options& options) {
   Config config =
       options.config.empty() ? parse_config("", "command line", options.set) : load_config(options.config, options.set);
-  config.reconstruction.kind = "multi_view";
+  config.reconstruction.kind = "multi_view", config.multi_view.method = "detections";
   if (!options.images.empty()) config.replay.path = options.images;
   if (!options.start.empty()) config.multi_view.rig = options.start;
   if (config.replay.path.empty())
