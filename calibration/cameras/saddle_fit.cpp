@@ -12,7 +12,7 @@ namespace rptv {
 namespace {
 
 constexpr int kUnknowns = 9;  // level, slope x, slope y, contrast, centre x, centre y, angle 1, angle 2, blur
-constexpr int kMostFitSteps = 25;
+constexpr int kMostSaddleSteps = 25;
 constexpr double kSettled_px = 1e-4;
 constexpr double kMostShift_px = 3, kLeastBlur_px = 0.25, kMostBlur_px = 8;
 constexpr double kLeastCrossing = 0.2;  // sine of the angle between the edges
@@ -73,7 +73,7 @@ std::optional<SaddleFit> fit_saddle(const GreyImage& image, const std::vector<st
                                     const Saddle& start, double radius_px) {
   Unknowns u;
   u << start.level, 0, 0, start.contrast, start.centre[0], start.centre[1], start.angle_1, start.angle_2, start.blur_px;
-  for (int step = 0; step < kMostFitSteps; ++step) {
+  for (int step = 0; step < kMostSaddleSteps; ++step) {
     const Sums sums = sums_of(image, hidden, start.centre, radius_px, u);
     if (sums.count < 4 * kUnknowns) return std::nullopt;
     const Eigen::LDLT<Square, Eigen::Lower> factors(sums.square);

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "reconstruct/light_field/rays.hpp"
 #include "tests/bench/voxel_volume.hpp"
 
 namespace rptv::bench {

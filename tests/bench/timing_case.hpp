@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reconstruct/light_field/ray_count_kernel.hpp"
+#include "reconstruct/light_field/rays.hpp"
 
 namespace rptv::bench {
 

@@ -56,7 +56,7 @@ RC_GTEST_PROP(SpotSquare, is_a_plain_copy_with_every_instruction_set, ()) {
   DarkPixels dark{std::vector<float>(image.shape.pixels(), 7), DarkLimit(image.shape, 7, 30)};
   if (*rc::gen::arbitrary<bool>()) {
     for (std::size_t i = 0; i < dark.mean.size(); ++i) dark.mean[i] = static_cast<float>(i % 17) * 0.3F;
-    dark.limit.follow(dark.mean, dark.mean, 20, 3);
+    dark.limit.follow(dark.mean, dark.mean, {}, 20, 3);
   }
   const auto radius = *rc::gen::inRange(1, 4);
   if (image.shape.bytes_per_pixel == 1)

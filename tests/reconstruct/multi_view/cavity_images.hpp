@@ -63,7 +63,7 @@ class CavityImages {
           const auto pixel = nearest(multi_view.detections()[c], rig.cameras[c].model.project(at).value());
           if (pixel) seen.push_back({c, at, *pixel});
         }
-      rig = fit_known_points(rig, seen, KnownPointsFreedom::pose, "particles of frame 10000").rig;
+      rig = fit_known_points(rig, seen, CameraFreedom::pose, "particles of frame 10000").rig;
     }
     return rig;
   }
