@@ -17,6 +17,8 @@ namespace {
 // Of a buffer that Aravis has not filled since it got it: no camera counts so far.
 constexpr std::uint64_t kUnfilled = ~std::uint64_t{0};
 
+constexpr std::int64_t kUnsteady_ns = 100'000'000;  // by so much images may come closer together than they should
+
 // With the reference that the caller has.
 void lend(ArvStream* stream, ArvBuffer* buffer) noexcept {
   arv_buffer_set_frame_id(buffer, kUnfilled);
@@ -142,7 +144,7 @@ void AravisStream::refuse(ArvBuffer* buffer, std::size_t status) noexcept {
 // tells of more than fitted into the time.
 void AravisStream::count_before_first(std::uint64_t id, std::int64_t now_ns) noexcept {
   if (!counts_from_one_ || period_ns_ <= 0 || id <= 1 + torn_since_) return;
-  const auto fit = static_cast<std::uint64_t>((now_ns - begun_ns_) / period_ns_) + 1;
+  const auto fit = static_cast<std::uint64_t>((now_ns - begun_ns_ + kUnsteady_ns) / period_ns_) + 1;
   if (id - 1 <= fit) sink_->lose(camera_, LossCause::source_gap, id - 1 - torn_since_);
 }
 

@@ -105,7 +105,7 @@ TEST_F(DenseScene, that_exceeds_the_capacities_is_cut_and_counted) {
   small.reconstruct(scene_.frames(0), found_);
   EXPECT_LE(found_.size(), 500U);
   EXPECT_GT(small.counts().refused_peaks, 0U);
-  EXPECT_GT(small.counts().refused_particles, 0U);
+  EXPECT_GT(small.counts().refused_places, 0U);
 }
 
 TEST_F(DenseScene, of_empty_images_has_no_particles) {
