@@ -25,6 +25,11 @@ constexpr double mean_square(int from, int to) {
          (cells_within(to) - (from < 0 ? 0 : cells_within(from)));
 }
 
+/// How a value at the box follows from its means over the inner and the outer ring, as if it fell with the square of
+/// the distance: points that meet by chance have small disparities rather than large ones.
+constexpr double kAhead = (mean_square(kInner, kMiddle) - mean_square(-1, kBox)) /
+                          (mean_square(kMiddle, kOuter) - mean_square(kInner, kMiddle));
+
 /// Whether all votes for a cell are within the map.
 bool whole(int column, int row) {
   constexpr int kMiddleCell = (kSide - 1) / 2, kRadius = kMiddleCell - 1;
@@ -55,15 +60,12 @@ class CellSums {
     return sum;
   }
 
-  /// Votes in a cell of the box by those in two rings around, as if they fell with the square of the distance: points
-  /// that meet by chance have small disparities rather than large ones.
+  /// Votes in a cell of the box by those in two rings around.
   double background(int column, int row) {
     const auto inner = around(column, row, kInner), middle = around(column, row, kMiddle);
     const auto outer = around(column, row, kOuter);
     const double near = (middle[0] - inner[0]) / (middle[1] - inner[1]);
     const double far = (outer[0] - middle[0]) / (outer[1] - middle[1]);
-    constexpr double kAhead = (mean_square(kInner, kMiddle) - mean_square(-1, kBox)) /
-                              (mean_square(kMiddle, kOuter) - mean_square(kInner, kMiddle));
     return std::max({0.0, near, near + kAhead * (near - far)});
   }
 
@@ -75,6 +77,7 @@ class CellSums {
 /// Votes of a cell that are none of the spot's: a plane.
 struct Background {
   double column0 = 0, row0 = 0, level = 0, per_column = 0, per_row = 0;
+  double slope_variance = 0;  ///< of per_column, and of per_row
   double at(double column, double row) const {
     return std::max(0.0, level + per_column * (column - column0) + per_row * (row - row0));
   }
@@ -88,17 +91,32 @@ void visit_around(const std::vector<float>& cells, int column, int row, int reac
       if (whole(c, r)) visit(c, r, static_cast<double>(cells[static_cast<std::size_t>(r * kSide + c)]));
 }
 
-/// Slopes by least squares over the ring, each by itself.
-Background slope(const std::vector<float>& cells, int column, int row, double level) {
+/// Slopes by least squares over a square ring, each by itself, and their variance if votes are Poisson's.
+struct Slope {
+  double per_column = 0, per_row = 0, variance = 0;
+};
+
+Slope slope(const std::vector<float>& cells, int column, int row, int from, int to) {
   double n = 0, x = 0, y = 0, v = 0, xx = 0, yy = 0, xv = 0, yv = 0;
-  visit_around(cells, column, row, kOuter, [&](int c, int r, double votes) {
+  visit_around(cells, column, row, to, [&](int c, int r, double votes) {
     const double right = c - column, below = r - row;
-    if (std::max(std::abs(right), std::abs(below)) <= kInner) return;
+    if (std::max(std::abs(right), std::abs(below)) <= from) return;
     ++n, x += right, y += below, v += votes;
     xx += right * right, yy += below * below, xv += right * votes, yv += below * votes;
   });
-  return {static_cast<double>(column), static_cast<double>(row), level, (xv - x * v / n) / (xx - x * x / n),
-          (yv - y * v / n) / (yy - y * y / n)};
+  const double square_x = xx - x * x / n, square_y = yy - y * y / n;
+  return {(xv - x * v / n) / square_x, (yv - y * v / n) / square_y, v / n / std::min(square_x, square_y)};
+}
+
+Background background_at(const std::vector<float>& cells, int column, int row, double level) {
+  const Slope near = slope(cells, column, row, kInner, kMiddle), far = slope(cells, column, row, kMiddle, kOuter);
+  const auto at_box = [](double near_one, double far_one) { return near_one + kAhead * (near_one - far_one); };
+  return {static_cast<double>(column),
+          static_cast<double>(row),
+          level,
+          at_box(near.per_column, far.per_column),
+          at_box(near.per_row, far.per_row),
+          (1 + kAhead) * (1 + kAhead) * near.variance + kAhead * kAhead * far.variance};
 }
 
 /// Moments of the votes, less the background's, under a Gaussian window round (column, row); all in cells.
@@ -106,6 +124,7 @@ struct Window {
   double mass = 0, column = 0, row = 0;
   double curvature = 0;  ///< how fast the shift returns to the spot, times mass
   double variance = 0;   ///< Poisson's, of the shift of either coordinate, times mass²
+  double per_slope = 0;  ///< shift by a slope of the background that is not taken off, times mass
 };
 
 Window look(const std::vector<float>& cells, double column, double row, const Background& background) {
@@ -117,6 +136,7 @@ Window look(const std::vector<float>& cells, double column, double row, const Ba
     sum.mass += own, sum.column += own * x, sum.row += own * y;
     sum.curvature += own * (1 - square / (2 * kWindowCells * kWindowCells));
     sum.variance += weight * weight * votes * square / 2;
+    sum.per_slope += weight * square / 2;
   };
   visit_around(cells, static_cast<int>(std::lround(column)), static_cast<int>(std::lround(row)), kReachCells, add);
   return sum;
@@ -166,7 +186,7 @@ std::optional<DisparityPeak> DisparityMap::peak() const {
       if (sure > surest) surest = sure, column0 = c, row0 = r, level = around;
     }
   if (surest < kSurest) return {};
-  const Background background = slope(cells_, column0, row0, level);
+  const Background background = background_at(cells_, column0, row0, level);
   double column = column0, row = row0;
   Window window;
   for (int step = 0; step < kMostShifts; ++step) {
@@ -181,7 +201,8 @@ std::optional<DisparityPeak> DisparityMap::peak() const {
       sums.around(static_cast<int>(std::lround(column)), static_cast<int>(std::lround(row)), kInner);
   DisparityPeak peak;
   peak.at_px = {(column - (kCells - 1) / 2) * cell_px(), (row - (kCells - 1) / 2) * cell_px()};
-  peak.sigma_px = cell_px() * std::sqrt(window.variance) / window.curvature;
+  const double variance = window.variance + background.slope_variance * window.per_slope * window.per_slope;
+  peak.sigma_px = cell_px() * std::sqrt(variance) / window.curvature;
   peak.votes = votes - background.at(column, row) * area;
   return peak;
 }
