@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
+#include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
@@ -16,11 +17,12 @@
 namespace rptv {
 namespace {
 
-constexpr std::size_t kLeastCameras = 3;     // two disagree across their epipolar lines only
-constexpr std::size_t kSearchedViews = 4;    // more lose the particles that one camera misses
-constexpr std::size_t kMostMatches = 16384;  // of a frame: bounds the time of a look
-constexpr std::uint32_t kLeastParts = 2;     // of eight that an alarm needs
-constexpr double kLeastVotes = 50;           // of all parts together
+constexpr std::size_t kLeastCameras = 3;         // two disagree across their epipolar lines only
+constexpr std::size_t kSearchedViews = 4;        // more lose the particles that one camera misses
+constexpr std::size_t kMostMatches = 16384;      // of a frame: bounds the time of a look
+constexpr std::uint32_t kLeastParts = 2;         // of eight that an alarm needs
+constexpr double kLeastVotes = 50;               // of all parts together
+constexpr std::size_t kUsualDetections = 16384;  // of a view: there is room from the start
 constexpr int kNicest = 19;
 constexpr std::int64_t kPatienceNs = 200'000'000;
 
@@ -39,9 +41,9 @@ DriftMonitor::DriftMonitor(Rig rig, std::vector<ViewRays> rays, const Volume& vo
       search_{volume, std::min(rig_.cameras.size(), kSearchedViews), kMostMatches},
       maps_({volume.from, volume.to, {2, 2, 2}}, rig_.cameras.size(), kSearched_px),
       sample_(rig_.cameras.size()) {
-  for (auto& view : sample_) view.resize(options.most_detections);
+  for (auto& view : sample_) view.resize(std::min(options.most_detections, kUsualDetections));
   frames_.assign(kFramesALook, sample_);
-  for (auto& view : sample_) view.clear();
+  for (auto& view : sample_) view.resize(options.most_detections), view.clear();
   thread_ = std::thread([this] { run(); });
   pthread_setname_np(thread_.native_handle(), "rptv-drift");
 }
@@ -53,23 +55,26 @@ DriftMonitor::~DriftMonitor() {
 }
 
 void DriftMonitor::see(std::span<const Detections> views) noexcept {
+  const bool fits = std::all_of(views.begin(), views.end(),
+                                [this](const Detections& seen) { return seen.size() <= options_.most_detections; });
   // acquire, pairs with run(): the monitor has done with the sample that we are about to write over.
-  if (!wanted_.load(std::memory_order_acquire)) {
+  if (!wanted_.load(std::memory_order_acquire) || !fits) {
     passed_over_.fetch_add(1, std::memory_order_relaxed);
     return;
   }
   for (std::size_t c = 0; c < sample_.size(); ++c) {
     const Detections& seen = views[c];
-    const std::size_t count = std::min(seen.size(), options_.most_detections);
     sample_[c].clear();
-    for (std::size_t i = 0; i < count; ++i) sample_[c].push_back({{seen.x_px[i], seen.y_px[i]}, seen.grey[i]});
+    for (std::size_t i = 0; i < seen.size(); ++i) sample_[c].push_back({{seen.x_px[i], seen.y_px[i]}, seen.grey[i]});
   }
   wanted_.store(false, std::memory_order_release);
   wake_.notify();
 }
 
 void DriftMonitor::run() noexcept {
-  setpriority(PRIO_PROCESS, 0, kNicest);  // on Linux of the calling thread
+  const sched_param none{};
+  pthread_setschedparam(pthread_self(), SCHED_BATCH, &none);  // where the process has a real-time policy, too
+  setpriority(PRIO_PROCESS, 0, kNicest);                      // on Linux of the calling thread
   const auto rest_ns = static_cast<std::int64_t>(options_.window_s * 1e9 / (kFramesALook * kLooksAWindow));
   bool resting = false;
   std::int64_t wanted_from_ns = 0;
@@ -88,16 +93,13 @@ void DriftMonitor::run() noexcept {
   }
 }
 
-void DriftMonitor::take() noexcept {
-  for (std::size_t c = 0; c < sample_.size(); ++c)
-    frames_[taken_][c].assign(sample_[c].begin(), sample_[c].end());  // there is room
+void DriftMonitor::take() noexcept try {
+  for (std::size_t c = 0; c < sample_.size(); ++c) frames_[taken_][c].assign(sample_[c].begin(), sample_[c].end());
   if (++taken_ < kFramesALook) return;
   taken_ = 0;
-  try {
-    look();
-  } catch (const std::exception& error) {
-    spdlog::warn("the drift of the cameras was not looked at: {}", error.what());
-  }
+  look();
+} catch (const std::exception& error) {
+  spdlog::warn("the drift of the cameras was not looked at: {}", error.what());
 }
 
 void DriftMonitor::look() {

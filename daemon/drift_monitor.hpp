@@ -22,16 +22,15 @@
 namespace rptv {
 
 struct DriftOptions {
-  double window_s = 60;
-  double alarm_px = 0.5;
-  std::size_t most_detections = 16384;  ///< of a camera in a frame
+  double window_s = 60;                 ///< over which disparities are averaged
+  double alarm_px = 0.5;                ///< largest disparity of a camera without a warning
+  std::size_t most_detections = 16384;  ///< of a camera in a frame; one with more is passed over
   std::string rig_file;                 ///< for the warning
 };
 
 /// Every 32nd part of the window it copies the detections of one frame set; eight of them make a look
-/// (gather_disparities, Wieneke 2008) on a thread of the lowest priority (nice 19).
-/// Disparities are searched up to kSearched_px, farther than the reconstruction's tolerance: there, a camera that has
-/// drifted takes part in no particle.
+/// (gather_disparities, Wieneke 2008) on a thread of the lowest priority. Disparities are searched up to kSearched_px,
+/// farther than the reconstruction's tolerance: there, a camera that has drifted takes part in no particle.
 class DriftMonitor final : public ViewObserver {
  public:
   static constexpr double kSearched_px = 5;

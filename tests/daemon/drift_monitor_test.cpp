@@ -86,6 +86,16 @@ TEST(DriftMonitor, counts_what_it_passes_over_while_it_rests_and_allocates_nothi
   EXPECT_EQ(counted, 0U);
 }
 
+TEST(DriftMonitor, passes_over_a_frame_set_that_it_has_no_room_for) {
+  const ViewScene crowded = testing::make_scene(4, 1100, 0.1), scene = testing::make_scene(4, 400, 0.1);
+  DriftMonitor monitor(scene.rig, trace_views(scene.rig, kVolume), kVolume, options_of_test(80'000));
+  monitor.see(crowded.detections);
+  monitor.see(scene.detections);
+  StatusReport status;
+  monitor.tell(status);
+  EXPECT_EQ(status.drift.passed_over, 1U) << "the second was taken";
+}
+
 TEST(DriftMonitor, hands_over_while_others_read_its_figures) {
   const ViewScene scene = testing::make_scene(4, 60, 0.1);
   DriftMonitor monitor(scene.rig, trace_views(scene.rig, kVolume), kVolume, options_of_test(0.1));
