@@ -34,7 +34,7 @@ StatusReport watch(const testing::PushedRig& pushed, const std::string& rig) {
   LiveListener listener(config.publisher.endpoint);
   Session session(config);
   session.start();
-  const std::int64_t deadline_ns = host_now_ns() + 120'000'000'000;
+  const std::int64_t deadline_ns = host_now_ns() + 300'000'000'000;
   while (listener.status().drift.cameras.empty() && host_now_ns() < deadline_ns) listener.poll(100);
   session.stop();
   return listener.status();
