@@ -30,6 +30,7 @@ Session::Session(const Config& config) : Session(config, make_source(config)) {}
 Session::Session(const Config& config, std::unique_ptr<Source> source, std::unique_ptr<Reconstructor> reconstructor) {
   if (!reconstructor) reconstructor = make_reconstructor(config, source->cameras(), &backend_text_);
   for (const CameraInfo& camera : source->cameras()) camera_names_.push_back(camera.name);
+  drift_ = make_drift_monitor(config, source->cameras(), *reconstructor);
   const auto limit_ns = static_cast<std::int64_t>(config.intake.silence_alarm_s * 1e9);
   sync_warning_ = sync_warning(config, *source);
   alarm_ = std::make_unique<SilenceAlarm>(camera_names_, std::max(limit_ns, 3 * source->nominal_period_ns()));
@@ -93,6 +94,7 @@ void Session::fill_status(StatusReport& status) {
   last_status_ = now;
   append_all_losses(status.losses);
   status.cameras = camera_reports();
+  if (drift_) drift_->tell(status);
   if (!sync_warning_.empty()) status.warnings.push_back(sync_warning_);
   if (flowing_.load() && !finished()) fill_silence(status, now_ns);
 }

@@ -9,6 +9,7 @@
 
 #include "acquisition/silence_alarm.hpp"
 #include "daemon/config.hpp"
+#include "daemon/drift_monitor.hpp"
 #include "daemon/pipeline.hpp"
 #include "daemon/publisher.hpp"
 #include "daemon/result_writer.hpp"
@@ -66,6 +67,7 @@ class Session {
   std::string sync_warning_, backend_text_;
   std::unique_ptr<SilenceAlarm> alarm_;  // publisher's thread only
   std::atomic<bool> flowing_{false};     // between start() and stop()
+  std::unique_ptr<DriftMonitor> drift_;  // null where nobody watches
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<ResultWriter> writer_;

@@ -90,6 +90,7 @@ bool read_status(const rapidptv::Status& from, StatusReport& to) {
     to.queues.push_back({.name = queue.name(), .waiting = queue.waiting(), .capacity = queue.capacity()});
   to.warnings.assign(from.warnings().begin(), from.warnings().end());
   for (const auto& camera : from.cameras()) to.cameras.push_back(read_camera(camera));
+  if (from.has_drift()) to.drift = read_drift(from.drift());
   return true;
 }
 

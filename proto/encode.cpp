@@ -103,6 +103,7 @@ void fill_status(rapidptv::Status& out, const StatusReport& report) {
   }
   for (const std::string& warning : report.warnings) out.add_warnings(warning);
   for (const CameraReport& camera : report.cameras) write_camera(camera, *out.add_cameras());
+  if (report.drift.watched) write_drift(report.drift, *out.mutable_drift());
 }
 
 }  // namespace

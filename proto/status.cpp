@@ -27,6 +27,7 @@ void StatusReport::clear() noexcept {
   queues.clear();
   warnings.clear();
   cameras.clear();
+  drift = {};
 }
 
 }  // namespace rptv

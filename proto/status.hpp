@@ -11,6 +11,7 @@
 #include "core/latency.hpp"
 #include "core/losses.hpp"
 #include "proto/camera_report.hpp"
+#include "proto/drift_report.hpp"
 
 namespace rptv {
 
@@ -59,6 +60,7 @@ struct StatusReport {
   std::vector<QueueFill> queues;
   std::vector<std::string> warnings;  ///< one line each, with the next step
   std::vector<CameraReport> cameras;  ///< those that are devices, in camera order
+  DriftReport drift;
 
   /// Back to the defaults, keeping the vectors' memory.
   void clear() noexcept;

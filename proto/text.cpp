@@ -123,6 +123,7 @@ void put_content(Buffer& out, const StatusReport& status) {
   put_list(out, status.warnings, [&](const std::string& warning) { put_text(out, warning); });
   put(out, R"(,"cameras":)");
   put_list(out, status.cameras, [&](const CameraReport& camera) { put(out, "{}", to_json(camera)); });
+  put(out, R"(,"drift":{})", to_json(status.drift));
 }
 
 void put_content(Buffer& out, const RigTexts& rig) {
@@ -173,6 +174,7 @@ std::string status_line(const StatusReport& status) {
     if (loss.count != 0) put(out, "  lost {} {} ({})", loss.count, name_of(loss.cause), loss.place);
   for (const std::string& warning : status.warnings) put(out, "  warning: {}", warning);
   for (const CameraReport& camera : status.cameras) put(out, "  {}", to_line(camera));
+  if (status.drift.watched) put(out, "  {}", to_line(status.drift));
   return to_string(out);
 }
 

@@ -9,6 +9,7 @@
 #include "calibration/space_algebra.hpp"
 #include "reconstruct/multi_view/agreeing_sets.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
+#include "reconstruct/multi_view/view_setup.hpp"
 
 namespace rptv {
 namespace {
@@ -76,8 +77,11 @@ ParticleImages images_of(std::span<const Detections> seen) {
 
 std::uint64_t gather_disparities(const Rig& rig, const DisparitySearch& search, std::span<const ParticleImages> frames,
                                  DisparityMaps& maps) {
-  std::vector<ViewRays> rays;
-  for (const RigCamera& camera : rig.cameras) rays.emplace_back(camera.model, search.volume, camera.name);
+  return gather_disparities(rig, trace_views(rig, search.volume), search, frames, maps);
+}
+
+std::uint64_t gather_disparities(const Rig& rig, std::span<const ViewRays> rays, const DisparitySearch& search,
+                                 std::span<const ParticleImages> frames, DisparityMaps& maps) {
   const std::size_t most = most_detections(frames);
   Correspondence correspondence(rays, search.volume,
                                 {search.min_views, kBeyond * maps.radius_px(), most, search.most_matches});

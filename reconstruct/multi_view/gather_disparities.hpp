@@ -35,6 +35,9 @@ struct DisparitySearch {
 /// Error(configuration) as ViewRays and Correspondence do. Set-up only.
 std::uint64_t gather_disparities(const Rig& rig, const DisparitySearch& search, std::span<const ParticleImages> frames,
                                  DisparityMaps& maps);
+/// The same by sight rays of `search.volume` that were traced before.
+std::uint64_t gather_disparities(const Rig& rig, std::span<const ViewRays> rays, const DisparitySearch& search,
+                                 std::span<const ParticleImages> frames, DisparityMaps& maps);
 
 /// Detections as they are given to gather_disparities().
 ParticleImages images_of(std::span<const Detections> seen);

@@ -49,6 +49,7 @@ struct MultiView::Stages {
   std::vector<ViewTuple> partial;
   std::vector<Particle> particles;
   MultiViewCounts counts;
+  ViewObserver* observer = nullptr;
 };
 
 // What a set loses to others may leave enough views to be a particle: such remains compete again.
@@ -100,6 +101,8 @@ MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::spa
 MultiView::~MultiView() = default;
 std::span<const Detections> MultiView::detections() const noexcept { return stages_->seen; }
 const MultiViewCounts& MultiView::counts() const noexcept { return stages_->counts; }
+const std::vector<ViewRays>& MultiView::rays() const noexcept { return stages_->rays; }
+void MultiView::show_to(ViewObserver& observer) noexcept { stages_->observer = &observer; }
 const Volume& MultiView::volume() const noexcept { return stages_->volume; }
 const CorrespondenceCounts& MultiView::correspondence_counts() const noexcept {
   return stages_->correspondence.counts();
@@ -126,6 +129,7 @@ void MultiView::reconstruct(std::span<const Detections> seen, Particles& out) no
   s.choose(matches);
   s.write({matches.data(), s.correspondence.size()}, seen, out);
   ++s.counts.frames;
+  if (s.observer != nullptr) s.observer->see(seen);
   s.tell(losses_);
 }
 

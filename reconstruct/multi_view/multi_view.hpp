@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "reconstruct/detection/detections.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
 #include "reconstruct/multi_view/frame_gate.hpp"
+#include "reconstruct/multi_view/view_observer.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
@@ -31,12 +33,17 @@ class MultiView final : public Reconstructor {
   /// The same from one list of detections per camera, in the order of `cameras`.
   void reconstruct(std::span<const Detections> seen, Particles& out) noexcept;
 
+  /// Shows it the detections of every frame set from now on; it outlives this. Set-up only.
+  void show_to(ViewObserver& observer) noexcept;
+
   /// The last frame's detections, one list per camera.
   std::span<const Detections> detections() const noexcept;
   const MultiViewCounts& counts() const noexcept;
   const CorrespondenceCounts& correspondence_counts() const noexcept;
   /// What is searched for particles, rig's frame.
   const Volume& volume() const noexcept;
+  /// Of every camera, in that volume.
+  const std::vector<ViewRays>& rays() const noexcept;
 
  private:
   struct Stages;

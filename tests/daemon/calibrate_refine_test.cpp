@@ -5,11 +5,9 @@
 
 #include <filesystem>
 
-#include "calibration/cameras/rig.hpp"
 #include "core/error.hpp"
+#include "tests/daemon/pushed_rig.hpp"
 #include "tests/daemon/run_binary.hpp"
-#include "tests/proto/place.hpp"
-#include "tests/reconstruct/multi_view/camera_frames.hpp"
 
 namespace rptv::testing {
 namespace {
@@ -17,51 +15,22 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// Images of two instants by four cameras, and a rig whose third camera was pushed after its calibration.
-class PushedRig {
- public:
-  PushedRig() {
-    std::filesystem::create_directory(frames());
-    for (unsigned instant = 0; instant < 2; ++instant) {
-      ViewScene scene = make_scene(4, 800, 0, 0, false, 5 + instant);
-      paint(scene, frames_);
-      for (std::size_t c = 0; c < 4; ++c)
-        write_png(frames() + "/cam" + std::to_string(c) + "_" + std::to_string(instant) + ".png",
-                  frames_.set().frames[c].view());
-      rig = scene.rig;
-    }
-    for (std::size_t c = 0; c < 4; ++c) rig.cameras[c].name = "cam" + std::to_string(c);
-    Rig pushed = rig;
-    CameraPose pose = rig.cameras[2].model.pose();
-    pose.translation_mm[0] += 0.5, pose.translation_mm[1] -= 0.3;  // 2.6 px
-    pushed.cameras[2].model = CameraModel(rig.cameras[2].model.intrinsics(), pose);
-    write_rig(pushed, file("rig.toml"));
-  }
-  std::string frames() const { return file("frames"); }
-  std::string file(const std::string& name) const { return place_.file(name); }
-  Said refine(std::vector<std::string> more) const {
-    std::vector<std::string> words{"calibrate", "refine",
-                                   "--start",   file("rig.toml"),
-                                   "-o",        file("better.toml"),
-                                   "--set",     "multi_view.volume_x_mm=[-100, 100]",
-                                   "--set",     "multi_view.volume_y_mm=[-100, 100]",
-                                   "--set",     "multi_view.volume_z_mm=[-100, 100]",
-                                   "--parts",   "2",
-                                   "2",         "2"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_rapidptv(words);
-  }
-
-  Rig rig;
-
- private:
-  Place place_;
-  CameraFrames frames_{{1920, 1200, 1}, 4};
-};
+Said refine(const PushedRig& pushed, std::vector<std::string> more) {
+  std::vector<std::string> words{"calibrate", "refine",
+                                 "--start",   pushed.file("rig.toml"),
+                                 "-o",        pushed.file("better.toml"),
+                                 "--set",     "multi_view.volume_x_mm=[-100, 100]",
+                                 "--set",     "multi_view.volume_y_mm=[-100, 100]",
+                                 "--set",     "multi_view.volume_z_mm=[-100, 100]",
+                                 "--parts",   "2",
+                                 "2",         "2"};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_rapidptv(words);
+}
 
 TEST(CalibrateRefine, puts_a_pushed_camera_right) {
   const PushedRig pushed;
-  const Said said = pushed.refine({pushed.frames(), "--search", "4"});
+  const Said said = refine(pushed, {pushed.frames(), "--search", "4"});
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_THAT(said.out, AllOf(HasSubstr("cam2         disparity "), HasSubstr("8 of 8 parts")));
   const Rig better = read_rig(pushed.file("better.toml"));
@@ -71,7 +40,7 @@ TEST(CalibrateRefine, puts_a_pushed_camera_right) {
       EXPECT_NEAR(seen[0], truth[0], 0.1) << c;
       EXPECT_NEAR(seen[1], truth[1], 0.1) << c;
     }
-  const Said json = pushed.refine({pushed.frames(), "--search", "4", "--rounds", "1", "--json"});
+  const Said json = refine(pushed, {pushed.frames(), "--search", "4", "--rounds", "1", "--json"});
   EXPECT_THAT(json.out, AllOf(HasSubstr(R"({"instants":2,"parts":8,"cameras":[{"name":"cam0","before_px":)"),
                               HasSubstr(R"("turned_deg":)")));
 }
@@ -79,7 +48,7 @@ TEST(CalibrateRefine, puts_a_pushed_camera_right) {
 TEST(CalibrateRefine, says_why_not) {
   const PushedRig pushed;
   const auto refused = [&](const std::vector<std::string>& words, ExitCode code, const std::string& part) {
-    const Said said = pushed.refine(words);
+    const Said said = refine(pushed, words);
     EXPECT_EQ(said.code, static_cast<int>(code)) << said.err;
     EXPECT_THAT(said.err, HasSubstr(part));
     EXPECT_EQ(said.out, "");

@@ -5,6 +5,7 @@
 
 #include "proto/camera_report.hpp"
 #include "proto/encode.hpp"
+#include "proto/text.hpp"
 
 namespace rptv {
 namespace {
@@ -31,6 +32,7 @@ TEST(Encoder, gives_back_status) {
   report.cameras[1].device.readings = {77, {{"ExposureTime", 500.5}, {"Line \"2\"", 1}}};
   report.cameras[1].clock = {true, -5, 1.5, 0};
   report.cameras[1].skew = {12, 1'500, 2'500, 3'500};
+  report.drift = {true, 16, 900, {{"left", 8, 640.5, 1.25, 1.5, {-1, 2, 3.5}}, {"right", 0, 0, 0, 0, {}}}};
   Encoder encoder("s", 1, 1);
   encoder.status(StatusReport{});
   WireMessage message;
@@ -65,6 +67,13 @@ TEST(Encoder, gives_back_status) {
               ::testing::HasSubstr(R"("readings":{"frame":77,"values":{"ExposureTime":500.5,"Line \"2\"":1}}})"));
   EXPECT_THAT(to_line(got.cameras[1]), ::testing::HasSubstr(", ExposureTime 500.5, Line \"2\" 1"));
   EXPECT_THAT(to_line(got.cameras[1]), ::testing::HasSubstr(", gone for 1.5 s until frame 1234"));
+  EXPECT_EQ(to_json(got.drift), to_json(report.drift));
+  EXPECT_THAT(
+      to_json(message, 0),
+      ::testing::HasSubstr(R"(,"drift":{"looked_at":16,"passed_over":900,"cameras":[{"camera":"left","parts":8,)"
+                           R"("votes":640.5,"median_px":1.25,"worst_px":1.5,"worst_at_mm":[-1,2,3.5]},{)"));
+  EXPECT_THAT(to_line(message, 0), ::testing::HasSubstr("  disparity left 1.25 px right unknown"));
+  EXPECT_EQ(to_json(DriftReport{}), "null");
   EXPECT_EQ(to_line(got.cameras[0]), "camera left lost, 0 frames, opened 3 times, n_missing_packets 4; \"gone\"");
 }
 
