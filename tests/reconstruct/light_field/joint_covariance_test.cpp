@@ -56,6 +56,7 @@ struct Overlapping {
 
 std::array<double, 3> variances(const FitCovariance& c) { return {c.xx, c.yy, c.zz}; }
 
+// In single precision: what is lost grows with how much wider the neighbours make it.
 RC_GTEST_PROP(JointCovariance, is_the_block_of_the_dense_inverse, (std::uint8_t seed)) {
   const auto particles = *rc::gen::inRange<std::size_t>(1, 40);
   const double half_mm = *rc::gen::element(0.15, 0.3, 0.5);
@@ -67,7 +68,7 @@ RC_GTEST_PROP(JointCovariance, is_the_block_of_the_dense_inverse, (std::uint8_t 
     const auto a = variances(alone), s = variances(shared), e = variances(exact[k]);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       RC_ASSERT(s[axis] >= 0);
-      RC_ASSERT(std::abs((a[axis] + s[axis]) / e[axis] - 1) < 0.03);
+      RC_ASSERT(std::abs((a[axis] + s[axis]) / e[axis] - 1) < 0.01 + 0.002 * e[axis] / a[axis]);
     }
   }
 }
