@@ -44,8 +44,13 @@ void CameraPlayer::play_step(FrameSink& sink, std::uint64_t step) noexcept {
   if (fault == FrameFault::duplicate && deliver(sink, shot, step, false)) add(duplicated_);
 }
 
-/// The slot is filled before the frame is due, so that neither copy nor decoding delays it.
+/// The slot is filled before the frame is due, so that neither copy nor decoding delays it. A copy is made in the half
+/// period before, as an image comes from a camera: right after the frame before it, it would take the processors from
+/// what is done with that.
 bool CameraPlayer::deliver(FrameSink& sink, const Shot& shot, std::uint64_t step, bool torn) noexcept {
+  if (decoded_ != nullptr && play_.pacer.paced() &&
+      !play_.pacer.wait_until(play_.pacer.due_ns(recorded_ns(step) - play_.timeline.period_ns / 2)))
+    return false;
   Frame frame;
   frame.shape = images_.shape();
   frame.lease = sink.claim(camera_);
