@@ -19,9 +19,7 @@ struct MultiView::Stages {
         gate(cameras, static_cast<std::size_t>(s.min_views)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
-        correspondence(rays, volume,
-                       {static_cast<std::size_t>(s.min_views), s.tolerance_px,
-                        static_cast<std::size_t>(s.detector.max_detections), static_cast<std::size_t>(s.max_matches)}),
+        correspondence(rays, volume, matching_of(s)),
         ghosts(rays.size(), static_cast<std::size_t>(s.detector.max_detections),
                static_cast<std::size_t>(s.max_matches), {s.tolerance_px, s.ghosts == "rank"}) {
     for (std::size_t c = 0; c < cameras.size(); ++c) {

@@ -50,6 +50,11 @@ Volume choose_volume(const MultiViewSettings& settings, const Rig& rig) {
   return volume;
 }
 
+CorrespondenceOptions matching_of(const MultiViewSettings& settings) {
+  return {static_cast<std::size_t>(settings.min_views), settings.tolerance_px,
+          static_cast<std::size_t>(settings.detector.max_detections), static_cast<std::size_t>(settings.max_matches)};
+}
+
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume) {
   std::vector<ViewRays> rays;
   for (const RigCamera& camera : rig.cameras) rays.emplace_back(camera.model, volume, camera.name);

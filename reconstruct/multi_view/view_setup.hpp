@@ -9,6 +9,7 @@
 
 #include "calibration/cameras/rig.hpp"
 #include "core/image.hpp"
+#include "reconstruct/multi_view/correspondence.hpp"
 #include "reconstruct/multi_view/multi_view_settings.hpp"
 #include "reconstruct/multi_view/view_rays.hpp"
 
@@ -28,6 +29,9 @@ Rig choose_cameras(const MultiViewSettings& settings, const Rig& rig, std::span<
 /// The box that the settings give; axes that are left empty are what min_views cameras see. Throws
 /// Error(configuration).
 Volume choose_volume(const MultiViewSettings& settings, const Rig& rig);
+
+/// How particle images are matched at first.
+CorrespondenceOptions matching_of(const MultiViewSettings& settings);
 
 /// Sight rays of every camera. Throws Error(configuration) for one that does not look into the volume.
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume);

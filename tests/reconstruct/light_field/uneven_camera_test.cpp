@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <random>
 
 #include "calibration/light_field/calibrate_lenslets.hpp"
@@ -12,6 +11,7 @@
 #include "reconstruct/lit_pixels.hpp"
 #include "simulation/render_light_field.hpp"
 #include "tests/bench/light_field_scene.hpp"
+#include "tests/proto/place.hpp"
 
 namespace rptv {
 namespace {
@@ -69,15 +69,11 @@ LightFieldCalibration calibrate(UnevenCamera& camera, LightFieldRenderer& render
   const auto level = images.dark.mean();
   for (std::size_t i = 0; i < dark.size(); ++i) dark[i] = static_cast<std::uint16_t>(std::lround(level.grey[i]));
   auto result = calibrate_lenslets(images, renderer.optics().calibration(), {true});
-  std::string name = (std::filesystem::temp_directory_path() / "rapidptv-uneven-XXXXXX").string();
-  EXPECT_NE(mkdtemp(name.data()), nullptr);
-  const std::filesystem::path folder = name;
-  write_calibration_arrays(result.arrays, folder / "cal.h5");
+  const Place place;
+  write_calibration_arrays(result.arrays, place.file("cal.h5"));
   result.calibration.lenslets.arrays = "cal.h5";
-  write_light_field_calibration(result.calibration, folder / "cal.toml");
-  auto back = read_light_field_calibration(folder / "cal.toml");
-  std::filesystem::remove_all(folder);
-  return back;
+  write_light_field_calibration(result.calibration, place.file("cal.toml"));
+  return read_light_field_calibration(place.file("cal.toml"));
 }
 
 struct Outcome {
