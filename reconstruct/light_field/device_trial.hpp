@@ -8,7 +8,7 @@
 
 namespace rptv {
 
-/// How a device did beside the CPU: from an image to its candidates, one round, the shortest of some runs, ms.
+/// How a device did beside the CPU: from an image to its particles, the shortest of some runs, ms.
 struct DeviceTrial {
   std::string differs;  ///< empty: it agrees bit for bit; else where it does not, in a few words
   double cpu_ms = 0, device_ms = 0;
