@@ -24,7 +24,8 @@ void MultiViewSettings::fields(FieldList& list) {
   list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
   list.integer("max_matches", max_matches, 1, 10000000,
                "sets of detections that meet in a frame, before ghosts are removed; more are counted as overflow");
-  list.integer("threads", threads, 0, 1024, "that detect; 0: one a camera, as many as the machine has");
+  list.integer("threads", threads, 0, 1024,
+               "that detect and match, at most one a camera; 0: as many as the machine has");
   list.section("detector", detector);
   list.section("iterative", iterative);
 }
