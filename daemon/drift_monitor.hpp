@@ -45,6 +45,8 @@ class DriftMonitor final : public ViewObserver {
 
   /// Reconstructing thread. A copy when one is wanted, otherwise counted as passed over; never waits, never allocates.
   void see(std::span<const Detections> views) noexcept override;
+  /// Reconstructing thread. Counts a frame set as passed over where it says no.
+  bool wants() noexcept override;
 
   /// Adds what is known, and a warning that names the camera with the largest disparity when that is beyond alarm_px.
   /// The others' are left out of it: triangulation spreads one camera's error over all. One thread.
@@ -72,8 +74,8 @@ class DriftMonitor final : public ViewObserver {
   std::thread thread_;
 };
 
-/// For a reconstruction that shows its detections (multi_view.method "detections"), three cameras or more and
-/// multi_view.drift_alarm_px > 0; else null. It must outlive the reconstruction's last frame. Throws Error.
+/// For a reconstruction from three views or more and multi_view.drift_alarm_px > 0; else null. It must outlive the
+/// reconstruction's last frame. Throws Error.
 std::unique_ptr<DriftMonitor> make_drift_monitor(const Config& config, const std::vector<CameraInfo>& cameras,
                                                  Reconstructor& reconstructor);
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <deque>
 
-#include "reconstruct/multi_view/multi_view.hpp"
+#include "reconstruct/multi_view/view_observer.hpp"
 #include "replay/image_sequence.hpp"
 
 namespace rptv {
@@ -36,10 +36,16 @@ std::string doubt_of(const ImageSequence& camera, const Pixel* pixels) {
   return {};
 }
 
-/// Empty where enough of them meet, or there are too few to tell.
-std::string doubt_of(const MultiView& stage, std::size_t particles, std::size_t min_views) {
+/// How many particle images each camera sees.
+struct ImageCounts final : ViewObserver {
   std::vector<std::size_t> seen;
-  for (const Detections& detections : stage.detections()) seen.push_back(detections.size());
+  void see(std::span<const Detections> views) noexcept override {
+    for (std::size_t c = 0; c < seen.size() && c < views.size(); ++c) seen[c] = views[c].size();
+  }
+};
+
+/// Empty where enough of them meet, or there are too few to tell.
+std::string doubt_of(std::vector<std::size_t> seen, std::size_t particles, std::size_t min_views) {
   std::sort(seen.rbegin(), seen.rend());
   const std::size_t most = seen[min_views - 1];  // particles that there may be
   if (most < kEnoughImages || static_cast<double>(particles) >= kFewMeet * static_cast<double>(most)) return {};
@@ -71,10 +77,14 @@ std::vector<std::string> doubts_of_first_instant(const Config& config, Reconstru
         frame.shape.bytes_per_pixel == 1 ? doubt_of(camera, image.as_u8()) : doubt_of(camera, image.as_u16());
     if (!doubt.empty()) doubts.push_back(std::move(doubt));
   }
-  if (const auto* views = dynamic_cast<const MultiView*>(&stage); views != nullptr && one_instant && doubts.empty()) {
+  if (auto* views = dynamic_cast<ObservableViews*>(&stage); views != nullptr && one_instant && doubts.empty()) {
     Particles found(config.max_particles());
+    ImageCounts images;
+    images.seen.resize(cameras.size());
+    views->show_to(&images);
     stage.reconstruct(set, found);
-    std::string doubt = doubt_of(*views, found.size(), static_cast<std::size_t>(config.multi_view.min_views));
+    views->show_to(nullptr);
+    std::string doubt = doubt_of(images.seen, found.size(), static_cast<std::size_t>(config.multi_view.min_views));
     if (!doubt.empty()) doubts.push_back(std::move(doubt));
   }
   return doubts;
