@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/first_instant.hpp"
 #include "daemon/instants.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
@@ -72,6 +73,7 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   std::string where;
   const auto stage = make_reconstructor(config, infos_of(cameras), &where);
   std::cerr << where << '\n';
+  for (const std::string& doubt : doubts_of_first_instant(config)) std::cerr << "warning: " << doubt << '\n';
   PointsWriter points(output, {.covariance = true, .ghost = true, .time = timed});
   Particles particles(config.max_particles());
   Instants instants(cameras);
