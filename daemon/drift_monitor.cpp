@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "core/clock.hpp"
+#include "daemon/blind_views.hpp"
 #include "reconstruct/multi_view/view_setup.hpp"
 
 namespace rptv {
@@ -62,6 +63,10 @@ bool DriftMonitor::wants() noexcept {
 }
 
 void DriftMonitor::see(std::span<const Detections> views) noexcept {
+  const std::uint32_t blind = blind_views(views);
+  for (std::size_t c = 0; c < views.size(); ++c)
+    if ((blind >> c & 1U) != 0) dark_[c].fetch_add(1, std::memory_order_relaxed);
+  shown_.fetch_add(1, std::memory_order_relaxed);
   if (!wants()) return;
   if (std::any_of(views.begin(), views.end(),
                   [this](const Detections& seen) { return seen.size() > options_.most_detections; })) {
@@ -133,7 +138,21 @@ std::string DriftMonitor::warning(const DriftReport& drift) const {
       drift.cameras.size() > kLeastCameras ? "" : "or another of the three ", options_.rig_file);
 }
 
+void DriftMonitor::tell_blind(StatusReport& status) {
+  const std::uint64_t shown = shown_.exchange(0, std::memory_order_relaxed);
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+    const std::uint32_t bit = 1U << c;
+    const std::uint64_t dark = dark_[c].exchange(0, std::memory_order_relaxed);
+    const bool was = (blind_ & bit) != 0, is = shown > 0 ? 2 * dark > shown : was;
+    blind_ = is ? blind_ | bit : blind_ & ~bit;
+    if (!is) continue;
+    status.warnings.push_back(blind_warning(rig_.cameras[c].name));
+    if (!was) spdlog::warn("{}", status.warnings.back());
+  }
+}
+
 void DriftMonitor::tell(StatusReport& status) {
+  tell_blind(status);
   found_.refresh();
   status.drift = found_.front();
   status.drift.watched = true;

@@ -2,6 +2,7 @@
 // Watches, beside the tracking, whether the cameras of a rig still look where its calibration says.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -48,8 +49,9 @@ class DriftMonitor final : public ViewObserver {
   /// Reconstructing thread. Counts a frame set as passed over where it says no.
   bool wants() noexcept override;
 
-  /// Adds what is known, and a warning that names the camera with the largest disparity when that is beyond alarm_px.
-  /// The others' are left out of it: triangulation spreads one camera's error over all. One thread.
+  /// Adds what is known; a warning for each camera that was blind (blind_views) in more than half of the frame sets
+  /// shown since the last call that had any; and a warning that names the camera with the largest disparity when that
+  /// is beyond alarm_px. The others' are left out of it: triangulation spreads one camera's error over all. One thread.
   void tell(StatusReport& status);
 
  private:
@@ -57,6 +59,7 @@ class DriftMonitor final : public ViewObserver {
   void take() noexcept;
   void look();
   std::string warning(const DriftReport& drift) const;
+  void tell_blind(StatusReport& status);
 
   const Rig rig_;
   const std::vector<ViewRays> rays_;
@@ -68,7 +71,10 @@ class DriftMonitor final : public ViewObserver {
   TripleBuffer<DriftReport> found_{{}};      // looked_at and cameras
   std::uint64_t looked_at_ = 0, taken_ = 0;  // the monitor's thread only
   bool warned_ = false;                      // tell()'s thread only
+  std::uint32_t blind_ = 0;                  // the same: cameras that were when last told
   std::atomic<std::uint64_t> passed_over_{0};
+  std::atomic<std::uint64_t> shown_{0};                         // since tell() asked
+  std::array<std::atomic<std::uint64_t>, kMaxCameras> dark_{};  // of them, by camera
   std::atomic<bool> wanted_{true}, ending_{false};
   Wake wake_;
   std::thread thread_;
