@@ -141,7 +141,7 @@ MultiView::~MultiView() = default;
 std::span<const Detections> MultiView::detections() const noexcept { return stages_->seen; }
 const MultiViewCounts& MultiView::counts() const noexcept { return stages_->counts; }
 const std::vector<ViewRays>& MultiView::rays() const noexcept { return stages_->rays; }
-void MultiView::show_to(ViewObserver& observer) noexcept { stages_->observer = &observer; }
+void MultiView::show_to(ViewObserver* observer) noexcept { stages_->observer = observer; }
 const Volume& MultiView::volume() const noexcept { return stages_->volume; }
 const CorrespondenceCounts& MultiView::correspondence_counts() const noexcept {
   return stages_->correspondence.counts();
