@@ -12,7 +12,7 @@
 
 namespace rptv {
 
-inline constexpr std::int32_t kMostReach = 15;
+inline constexpr std::int32_t kMostReach = 20;
 
 /// visit(i, j) for every i < j whose columns and whose rows differ by at most `reach` (up to kMostReach). The order is
 /// not said. Two ways to the same: where few pixels lie in as many rows, it is quickest to look at all of them; where
