@@ -28,6 +28,7 @@ class LightFieldCuda final : public LightFieldDevice {
 
  private:
   bool download_rays(Rays& rays) noexcept;
+  bool tell_count(std::size_t rays) noexcept;
 
   const VoxelGrid grid_;
   CudaStream stream_;
@@ -48,6 +49,7 @@ class LightFieldCuda final : public LightFieldDevice {
   DeviceArray<std::uint16_t> counts_, smooth_, highest_;
   DeviceArray<std::uint32_t> voxel_runs_;
   DeviceArray<Candidate> candidate_;
+  PinnedArray<std::uint16_t> watched_counts_;  // where a StageTimer watches
 
   const CudaLitPixels lit_pixels_;
   const CudaRayTable ray_table_;
