@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "daemon/backend.hpp"
 #include "daemon/config.hpp"
 #include "daemon/device_bench.hpp"
 #include "daemon/each_frame_set.hpp"
@@ -36,6 +37,8 @@ ExitCode bench_cuda(const CudaBenchOptions& options) {
       bench.round([&] { reconstructor->reconstruct(frames, particles); });
   });
   if (!warm) throw Error(ExitCode::bad_data, options.config + ": its source gave no frame; see rapidptv check");
+  if (const std::uint64_t sets = reconstructor->sets_without_device(); sets > 0)
+    throw Error(ExitCode::unavailable, "bench --cuda: " + device_failure(sets));
   const CudaDeviceLimits limits = ask_cuda_device_limits();
   (options.json ? std::cerr : std::cout) << to_text(bench.result(), limits);
   if (options.json) std::cout << to_json(bench.result(), limits);

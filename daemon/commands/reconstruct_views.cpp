@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/instants.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
@@ -85,6 +86,7 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   }
   points.close();
   tell(*stage, timeline.instants(), total);
+  if (stage->sets_without_device() > 0) std::cerr << device_failure(stage->sets_without_device()) << '\n';
   return ExitCode::ok;
 }
 

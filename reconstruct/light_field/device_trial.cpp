@@ -3,7 +3,6 @@
 #include "reconstruct/light_field/device_trial.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <initializer_list>
 #include <random>
@@ -74,24 +73,14 @@ class Trial {
     return {};
   }
   void time(DeviceTrial& trial) {
-    constexpr int kRuns = 5;
     constexpr std::uint16_t kLeast = 10;
     std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
-    for (int run = 0; run < kRuns; ++run) {
-      const double cpu = ms([&] { cpu_lit(), cpu_rays(), cpu_candidates(kLeast); });
-      const double device = ms([&] { device_lit() && device_rays() && device_candidates(kLeast); });
-      trial.cpu_ms = run == 0 ? cpu : std::min(trial.cpu_ms, cpu);
-      trial.device_ms = run == 0 ? device : std::min(trial.device_ms, device);
-    }
+    time_trial(
+        trial, [&] { cpu_lit(), cpu_rays(), cpu_candidates(kLeast); },
+        [&] { device_lit() && device_rays() && device_candidates(kLeast); });
   }
 
  private:
-  template <class Work>
-  static double ms(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  }
   std::span<const std::uint32_t> lit() const { return {cpu_.lit.data(), std::min(cpu_.found, cpu_.lit.size())}; }
 
   void cpu_lit() { cpu_.found = find_lit_pixels(image_, limit_, cpu_.lit); }

@@ -207,7 +207,7 @@ void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
   if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
   s.write(out);
   s.dark.offer(image);
-  s.counts.device_failed = s.search.device_failed();
+  if ((s.counts.device_failed = s.search.device_failed())) count_set_without_device();
   ++s.counts.frames;
   s.tell(losses_);
 }

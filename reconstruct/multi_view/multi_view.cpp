@@ -34,12 +34,16 @@ struct MultiView::Stages {
   void choose(std::span<const ViewMatch> matches) noexcept;
   void write(std::span<const ViewMatch> matches, std::span<const Detections> lists, Particles& out) noexcept;
   void tell(Losses& losses) const noexcept;
+  void take(const MakeDetectDevice& make_device, std::span<const MultiViewCamera> cameras);
+  bool detect_on_device(const FrameSet& frames) noexcept;
 
   const MultiViewSettings settings;
   const FrameGate gate;
   const Volume volume;
   const std::vector<ViewRays> rays;
   std::vector<Detector> detectors;
+  std::unique_ptr<DetectDevice> device;  // until it fails
+  std::vector<ImageView> images;         // for it
   std::vector<Detections> seen;
   Correspondence correspondence;
   ViewGhosts ghosts;
@@ -93,8 +97,32 @@ void MultiView::Stages::tell(Losses& losses) const noexcept {
   tell_view_losses(counts, correspondence.counts(), counts.refused_detections, losses);
 }
 
-MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras)
-    : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {}
+void MultiView::Stages::take(const MakeDetectDevice& make_device, std::span<const MultiViewCamera> cameras) {
+  std::vector<ImageShape> shapes;
+  std::vector<DarkPixels> dark;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    shapes.push_back(cameras[c].shape);
+    dark.push_back(make_dark(dark_settings(settings.detector, c), cameras[c].shape, cameras[c].background));
+  }
+  device = make_device({settings.detector, shapes, dark});
+  images.resize(cameras.size());
+}
+
+bool MultiView::Stages::detect_on_device(const FrameSet& frames) noexcept {
+  if (!device) return false;
+  for (std::size_t c = 0; c < images.size(); ++c)
+    images[c] = gate.usable(frames.frames[c], c) ? frames.frames[c].view() : ImageView{};
+  if (device->detect(images, seen)) return true;
+  device.reset(), counts.device_failed = true;
+  for (Detections& list : seen) list.clear();
+  return false;
+}
+
+MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras,
+                     const MakeDetectDevice& make_device)
+    : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {
+  if (make_device) stages_->take(make_device, cameras);
+}
 
 MultiView::~MultiView() = default;
 std::span<const Detections> MultiView::detections() const noexcept { return stages_->seen; }
@@ -111,11 +139,13 @@ void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   out.clear();
   for (Detections& seen : s.seen) seen.clear();
   if (s.gate.admit(frames, s.counts) == 0) return s.tell(losses_);
+  const bool by_device = s.detect_on_device(frames);
   const std::size_t threads = std::min(thread_count(s.settings.threads), s.detectors.size());
   parallel_for(s.detectors.size(), threads, [&](std::size_t camera, std::size_t) {
-    if (s.gate.usable(frames.frames[camera], camera))
+    if (!by_device && s.gate.usable(frames.frames[camera], camera))
       s.detectors[camera].detect(frames.frames[camera].view(), s.seen[camera]);
   });
+  if (s.counts.device_failed) count_set_without_device();
   for (const Detections& seen : s.seen) s.counts.refused_detections += seen.overflow();
   reconstruct(s.seen, out);
 }
