@@ -58,7 +58,8 @@ LightFieldCuda::LightFieldCuda(const LightFieldDevicePlan& plan)
             sizes_.data() + kRays, sizes_.data() + kPixels, u32(plan.max_rays), u32(plan.lattice.size())},
       ray_count_{voxel_rays_.data(), chunks_.data(), counts_.data()},
       candidates_{candidate_.data(), sizes_.data() + kCandidates, u32(plan.max_candidates), smooth_.data(),
-                  highest_.data(),   voxel_runs_.data()} {
+                  highest_.data(),   voxel_runs_.data()},
+      explainer_(plan, rays_, candidates_) {
   std::vector<float> centres;
   for (std::uint32_t l = 0; l < plan.lattice.size(); ++l)
     for (const float at : plan.lattice.centre_mm(l)) centres.push_back(at);
@@ -114,17 +115,17 @@ bool LightFieldCuda::find_rays(std::span<const std::uint32_t> lit, Rays& rays, s
       !stream_.stage(CudaStage::download) || !stream_.download(&found_[kRays], rays_.size, 2 * sizeof(std::uint32_t)) ||
       !stream_.stage(CudaStage::none) || !stream_.synchronize())
     return false;
-  refused = lit.size() - found_[kPixels];
   // Written: a ray and two indices; twice incremented: its lenslet's number of rays, and of rays that have a place.
   stream_.tell(CudaStage::rays,
                lit.size_bytes() + found_[kRays] * (sizeof(Ray) + 2 * sizeof(std::uint32_t)) +
                    first_of_lenslet_.size() * sizeof(std::uint32_t),
                2 * std::uint64_t{found_[kRays]});
-  return download_rays(rays);
+  refused = lit.size() - found_[kPixels];
+  rays.size = found_[kRays], rays.pixels = found_[kPixels];
+  return true;
 }
 
-bool LightFieldCuda::download_rays(Rays& rays) noexcept {
-  rays.size = found_[kRays], rays.pixels = found_[kPixels];
+bool LightFieldCuda::read_rays(Rays& rays) noexcept {
   auto& first = rays.first_of_lenslet;
   return stream_.stage(CudaStage::download) &&
          stream_.download(rays.ray.data(), ray_.data(), rays.size * sizeof(Ray)) &&
@@ -134,34 +135,57 @@ bool LightFieldCuda::download_rays(Rays& rays) noexcept {
          stream_.stage(CudaStage::none) && stream_.synchronize();
 }
 
-// An increment a free ray and plane: all counters together, border included.
-bool LightFieldCuda::tell_count(std::size_t rays) noexcept {
+// What a StageTimer is told of the count, an increment a free ray and plane: all counters together, border included.
+bool LightFieldCuda::tell_candidates() noexcept {
   if (!stream_.timed()) return true;
-  const std::size_t voxels = watched_counts_.size();
-  if (!stream_.download(watched_counts_.data(), counts_.data(), voxels * sizeof(std::uint16_t)) ||
+  const std::size_t voxels = watched_counts_.size(), voxel_bytes = voxels * sizeof(std::uint16_t);
+  if (!stream_.stage(CudaStage::none) || !stream_.download(watched_counts_.data(), counts_.data(), voxel_bytes) ||
       !stream_.synchronize())
     return false;
   const std::uint16_t* counts = watched_counts_.data();
-  stream_.tell(CudaStage::count, rays * (sizeof(Ray) + sizeof(std::uint8_t)) + voxels * sizeof(std::uint16_t),
+  stream_.tell(CudaStage::count, found_[kRays] * (sizeof(Ray) + sizeof(std::uint8_t)) + voxel_bytes,
                std::accumulate(counts, counts + voxels, std::uint64_t{0}));
+  stream_.tell(CudaStage::maxima,
+               voxel_bytes + std::min<std::size_t>(found_[kCandidates], candidate_.size()) * sizeof(Candidate));
   return true;
+}
+
+// Candidates among the rays that are not `taken`, and their number into `found_`.
+bool LightFieldCuda::queue_candidates(const std::uint8_t* taken, std::uint16_t least) noexcept {
+  return stream_.stage(CudaStage::count) && count_rays_cuda(grid_, rays_, taken, ray_count_, stream_.handle()) &&
+         stream_.stage(CudaStage::maxima) &&
+         find_coarse_maxima_cuda(grid_, counts_.data(), least, candidates_, stream_.handle()) &&
+         stream_.stage(CudaStage::download) &&
+         stream_.download(&found_[kCandidates], candidates_.size, sizeof(std::uint32_t)) &&
+         stream_.stage(CudaStage::none) && tell_candidates();
+}
+
+bool LightFieldCuda::find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept {
+  particles.rounds = particles.candidates = particles.refused_candidates = 0;
+  if (!stream_.stage(CudaStage::fits) || !explainer_.begin(stream_)) return false;
+  while (particles.rounds < rounds) {
+    if (!stream_.stage(CudaStage::fits) || !explainer_.begin_round(stream_) ||
+        !queue_candidates(explainer_.taken(), least) || !explainer_.explain(stream_))
+      return false;
+    const std::size_t kept = std::min<std::size_t>(found_[kCandidates], candidate_.size());
+    particles.candidates += kept, particles.refused_candidates += found_[kCandidates] - kept;
+    ++particles.rounds;
+    if (explainer_.accepted() == 0 || !explainer_.sure()) break;
+  }
+  const bool done = explainer_.settle(stream_, particles.found);
+  particles.sure = explainer_.sure();
+  return done;
 }
 
 bool LightFieldCuda::find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least,
                                      std::vector<Candidate>& candidates, std::size_t& refused) noexcept {
   const std::size_t rays = found_[kRays], room = std::min(candidates.capacity(), candidate_.size());
   if (taken.size() < rays || !stream_.stage(CudaStage::upload) || !stream_.upload(taken_.data(), taken.data(), rays) ||
-      !stream_.stage(CudaStage::count) || !count_rays_cuda(grid_, rays_, taken_.data(), ray_count_, stream_.handle()) ||
-      !stream_.stage(CudaStage::maxima) ||
-      !find_coarse_maxima_cuda(grid_, counts_.data(), least, candidates_, stream_.handle()) ||
-      !stream_.stage(CudaStage::download) ||
-      !stream_.download(&found_[kCandidates], candidates_.size, sizeof(std::uint32_t)) ||
-      !stream_.stage(CudaStage::none) || !stream_.synchronize() || !tell_count(rays))
+      !queue_candidates(taken_.data(), least) || !stream_.synchronize())
     return false;
   const std::size_t kept = std::min<std::size_t>(found_[kCandidates], room);
   refused = found_[kCandidates] - kept;
   candidates.resize(kept);
-  stream_.tell(CudaStage::maxima, counts_.size() * sizeof(std::uint16_t) + kept * sizeof(Candidate));
   return stream_.stage(CudaStage::download) &&
          stream_.download(candidates.data(), candidate_.data(), kept * sizeof(Candidate)) &&
          stream_.stage(CudaStage::none) && stream_.synchronize();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "core/error.hpp"
 #include "daemon/device_bench.hpp"
@@ -43,14 +44,24 @@ class CountingDevice final : public LightFieldDevice {
     of(plain_, CudaStage::upload).bytes += lit.size_bytes() + 4;
     of(plain_, CudaStage::rays).bytes += lit.size_bytes() + ray_bytes + lenslet_bytes;
     of(plain_, CudaStage::rays).increments += 2 * rays.size;
-    of(plain_, CudaStage::download).bytes += 8 + ray_bytes + lenslet_bytes;
+    of(plain_, CudaStage::download).bytes += 8;
     rays_ = rays.size;
     return done;
+  }
+  bool read_rays(Rays& rays) noexcept override {
+    of(plain_, CudaStage::download).bytes += rays.size * (sizeof(Ray) + 4 + 4) + 4 * (lenslets_ + 1);
+    return device_.read_rays(rays);
+  }
+  // All by find_candidates() and the CPU.
+  bool find_particles(std::uint16_t, std::size_t, DeviceParticles& particles) noexcept override {
+    particles.sure = false;
+    return true;
   }
   bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least, std::vector<Candidate>& candidates,
                        std::size_t& refused) noexcept override {
     const bool done = device_.find_candidates(taken, least, candidates, refused);
-    const auto free = static_cast<std::size_t>(std::count(taken.begin(), taken.begin() + rays_, 0));
+    const auto free =
+        static_cast<std::size_t>(std::count(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(rays_), 0));
     const auto planes = static_cast<std::size_t>(grid_.planes);
     const std::size_t voxel_bytes = 2 * planes * static_cast<std::size_t>(grid_.plane_size());
     of(plain_, CudaStage::upload).bytes += rays_;
@@ -66,7 +77,7 @@ class CountingDevice final : public LightFieldDevice {
   StageCosts& plain_;
   VoxelGrid grid_;
   std::size_t lenslets_;
-  std::ptrdiff_t rays_ = 0;
+  std::size_t rays_ = 0;
 };
 
 LightFieldSettings settings_of_test() {
@@ -75,25 +86,30 @@ LightFieldSettings settings_of_test() {
   return settings;
 }
 
-/// The reconstruction under test and its plain counts, both from the start of each round's timed half.
+/// A reconstruction on the device, and plain counts of what it does where those are asked for.
 struct Measured {
+  explicit Measured(bool counts) {
+    light_field.emplace(settings_of_test(), small_camera(), ImageView{},
+                        [&](const LightFieldDevicePlan& p) -> std::unique_ptr<LightFieldDevice> {
+                          if (counts) return std::make_unique<CountingDevice>(p, plain);
+                          return std::make_unique<LightFieldCuda>(p);
+                        });
+  }
   StageTimer timer;
   StageCosts plain{};
-  LightField light_field{settings_of_test(), small_camera(), {}, [this](const LightFieldDevicePlan& plan) {
-                           return std::make_unique<CountingDevice>(plan, plain);
-                         }};
+  std::optional<LightField> light_field;
   DeviceBench bench{timer};
   Particles found{512};
 
   void round(const ImageView& image) {
-    bench.round([&] { light_field.reconstruct(image, found); });
+    bench.round([&] { light_field->reconstruct(image, found); });
   }
 };
 
 TEST(DeviceBench, counts_bytes_and_increments_as_plain_loops_do) {
-  Measured measured;
+  Measured measured(true);
   for (unsigned seed = 1; seed <= 3; ++seed) measured.round(paint(scene(seed)).view());
-  EXPECT_GT(measured.light_field.counts().rounds, 1U);  // rays were taken
+  EXPECT_GT(measured.light_field->counts().rounds, 1U);  // rays were taken
   EXPECT_GT(of(measured.plain, CudaStage::count).increments, 10000U);
   for (std::size_t s = 1; s < kCudaStages; ++s) {
     const auto stage = static_cast<CudaStage>(s);
@@ -107,9 +123,27 @@ TEST(DeviceBench, counts_bytes_and_increments_as_plain_loops_do) {
   EXPECT_EQ(measured.bench.result().latency_ns.count(), 3U);
 }
 
+TEST(DeviceBench, counts_the_same_where_the_device_explains_the_rays) {
+  StageCosts plain;
+  {
+    Measured measured(true);
+    for (unsigned seed = 1; seed <= 2; ++seed) measured.round(paint(scene(seed)).view());
+    plain = measured.plain;
+  }
+  Measured measured(false);
+  for (unsigned seed = 1; seed <= 2; ++seed) measured.round(paint(scene(seed)).view());
+  EXPECT_EQ(measured.light_field->counts().device_unsure, 0U);
+  for (const CudaStage stage : {CudaStage::lit_pixels, CudaStage::rays, CudaStage::count, CudaStage::maxima}) {
+    const StageCost& sum = measured.bench.result().stages[static_cast<std::size_t>(stage)].sum;
+    EXPECT_EQ(2 * sum.bytes, of(plain, stage).bytes) << name_of(stage);
+    EXPECT_EQ(2 * sum.increments, of(plain, stage).increments) << name_of(stage);
+  }
+  EXPECT_GT(measured.bench.result().stages[static_cast<std::size_t>(CudaStage::fits)].sum.device_ms, 0);
+}
+
 TEST(DeviceBench, changes_no_result) {
   const PaintedImage image = paint(scene(4));
-  Measured measured;
+  Measured measured(false);
   measured.round(image.view());
   LightField cpu(settings_of_test(), small_camera(), {});
   Particles expected(512);

@@ -34,7 +34,7 @@ TEST(Gpu, stages_are_timed_by_bench) {
   }
   ASSERT_EQ(said.code, 0) << said.err;
   std::cerr << said.err;
-  for (const char* stage : {"upload", "lit pixels", "rays, sorted", "count", "maxima", "download"})
+  for (const char* stage : {"upload", "lit pixels", "rays, sorted", "count", "maxima", "fits", "download"})
     EXPECT_NE(said.out.find("{\"stage\":\"" + std::string(stage) + "\""), std::string::npos) << said.out;
 }
 
