@@ -139,8 +139,9 @@ bool LightFieldCuda::read_rays(Rays& rays) noexcept {
 bool LightFieldCuda::tell_candidates() noexcept {
   if (!stream_.timed()) return true;
   const std::size_t voxels = watched_counts_.size(), voxel_bytes = voxels * sizeof(std::uint16_t);
-  if (!stream_.stage(CudaStage::none) || !stream_.download(watched_counts_.data(), counts_.data(), voxel_bytes) ||
-      !stream_.synchronize())
+  if (!stream_.stage(CudaStage::none) ||
+      !stream_.download(found_.data(), sizes_.data(), kSizes * sizeof(std::uint32_t)) ||
+      !stream_.download(watched_counts_.data(), counts_.data(), voxel_bytes) || !stream_.synchronize())
     return false;
   const std::uint16_t* counts = watched_counts_.data();
   stream_.tell(CudaStage::count, found_[kRays] * (sizeof(Ray) + sizeof(std::uint8_t)) + voxel_bytes,
