@@ -15,7 +15,7 @@ namespace rptv {
 
 struct MultiView::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
-      : settings(s),
+      : settings(s),  // max_matches > 0
         gate(cameras, static_cast<std::size_t>(s.min_views)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
@@ -93,8 +93,10 @@ void MultiView::Stages::tell(Losses& losses) const noexcept {
   tell_view_losses(counts, correspondence.counts(), counts.refused_detections, losses);
 }
 
-MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras)
-    : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {}
+MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras) {
+  const Rig chosen = choose_cameras(settings, rig, cameras);
+  stages_ = std::make_unique<Stages>(with_room(settings, chosen), chosen, cameras);
+}
 
 MultiView::~MultiView() = default;
 std::span<const Detections> MultiView::detections() const noexcept { return stages_->seen; }
