@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/reconstruct_views.hpp"
 #include "daemon/config.hpp"
@@ -80,7 +81,6 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
                              counts.refused_candidates);
   if (counts.refused_particles > 0)
     std::cerr << fmt::format("{} particles were left out: raise light_field.max_particles\n", counts.refused_particles);
-  if (counts.device_failed) std::cerr << "the device failed on the way; the CPU did the rest, with the same results\n";
 }
 
 ExitCode reconstruct(const ReconstructOptions& options) {
@@ -112,6 +112,7 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   }
   points.close();
   tell(images, light_field.counts(), total);
+  if (stage->sets_without_device() > 0) std::cerr << device_failure(stage->sets_without_device()) << '\n';
   return ExitCode::ok;
 }
 

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/blind_views.hpp"
 #include "daemon/first_instant.hpp"
 #include "daemon/instants.hpp"
@@ -103,6 +104,7 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   }
   points.close();
   tell(*stage, timeline.instants(), total);
+  if (stage->sets_without_device() > 0) std::cerr << device_failure(stage->sets_without_device()) << '\n';
   tell_blind(blind, cameras);
   return ExitCode::ok;
 }

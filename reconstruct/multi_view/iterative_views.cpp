@@ -38,7 +38,7 @@ struct IterativeViews::Stages {
         threads(thread_count(s.threads)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
-        correspondence(rays, volume, matching_of(s)),
+        correspondence(rays, volume, matching_of(s, threads)),
         ghosts(rays.size(), static_cast<std::size_t>(s.detector.max_detections),
                static_cast<std::size_t>(s.max_matches), {s.iterative.tolerance_px, s.ghosts == "rank"}),
         peak_options{static_cast<float>(s.detector.threshold), static_cast<float>(s.detector.threshold_sigmas)},

@@ -25,7 +25,8 @@ void MultiViewSettings::fields(FieldList& list) {
   list.integer("max_matches", max_matches, 0, 10000000,
                "sets of detections that meet in a frame, before ghosts are removed; more are counted as overflow; 0: "
                "room for what chance makes of max_detections in each view, 2^20 at most");
-  list.integer("threads", threads, 0, 1024, "that detect; 0: one a camera, as many as the machine has");
+  list.integer("threads", threads, 0, 1024,
+               "that detect and match, at most one a camera; 0: as many as the machine has");
   list.section("detector", detector);
   list.section("iterative", iterative);
 }

@@ -8,6 +8,7 @@
 #include "core/points_table.hpp"
 #include "daemon/live_listener.hpp"
 #include "daemon/session.hpp"
+#include "reconstruct/detection/detector.hpp"
 #include "tests/daemon/painted_recording.hpp"
 #include "tests/daemon/run_binary.hpp"
 
@@ -97,6 +98,53 @@ TEST(MultiViewRun, says_in_status_and_report_what_reconstruction_left_out) {
                                          " × detection_overflow at reconstruction: raise multi_view.detector."));
   EXPECT_THAT(to_json(report), HasSubstr(R"({"place":"reconstruction","cause":"detection_overflow","count":)" +
                                          std::to_string(kept->count) + "}"));
+}
+
+/// Detects as the CPU does, for one frame set; then it is lost.
+class LostDevice final : public DetectDevice {
+ public:
+  explicit LostDevice(const DetectDevicePlan& plan) {
+    for (const ImageShape& shape : plan.shapes) detectors_.emplace_back(plan.settings, shape);
+  }
+  bool detect(std::span<const ImageView> images, std::span<Detections> seen) noexcept override {
+    for (std::size_t c = 0; c < images.size(); ++c) detectors_[c].detect(images[c], seen[c]);
+    return !std::exchange(lost_, true);
+  }
+
+ private:
+  std::vector<Detector> detectors_;
+  bool lost_ = false;
+};
+
+TEST(MultiViewRun, goes_on_without_a_device_that_is_lost_and_says_so) {
+  const PaintedRecording recording;
+  Config config = load_config(recording.file("run.toml"), {"replay.loop=0"});
+  config.publisher.status_period_ms = 50;
+  auto source = make_source(config);
+  std::vector<MultiViewCamera> cameras;
+  for (const CameraInfo& camera : source->cameras()) cameras.push_back({camera.name, camera.shape, {}});
+  LiveListener listener(config.publisher.endpoint);
+  Session session(
+      config, std::move(source),
+      std::make_unique<MultiView>(config.multi_view, read_rig(config.multi_view.rig), cameras,
+                                  [](const DetectDevicePlan& plan) { return std::make_unique<LostDevice>(plan); }));
+  session.start();
+  const auto told = [&] {
+    const auto& warnings = listener.status().warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& line) { return line.rfind("the GPU failed; the CPU has done", 0) == 0; });
+  };
+  const std::int64_t deadline_ns = host_now_ns() + 60'000'000'000;
+  while (!told() && host_now_ns() < deadline_ns) listener.poll(100);
+  session.stop();
+  EXPECT_TRUE(told());
+  const SessionReport report = session.report();
+  EXPECT_EQ(report.sets_without_device, report.counts.linked - 1);
+  EXPECT_GE(report.counts.particles, 35 * report.counts.linked);
+  EXPECT_THAT(to_text(report), HasSubstr("the GPU failed; the CPU has done " +
+                                         std::to_string(report.sets_without_device) + " frame sets alone since"));
+  EXPECT_THAT(to_json(report),
+              HasSubstr("\"sets_without_device\":" + std::to_string(report.sets_without_device) + ","));
 }
 
 TEST(MultiViewRun, of_one_light_field_says_which_key_to_set) {
