@@ -29,7 +29,7 @@ struct Rank {
 
 struct MultiView::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
-      : settings(s),
+      : settings(s),  // max_matches > 0
         gate(cameras, static_cast<std::size_t>(s.min_views)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
@@ -141,8 +141,9 @@ bool MultiView::Stages::detect_on_device(const FrameSet& frames) noexcept {
 }
 
 MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras,
-                     const MakeDetectDevice& make_device)
-    : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {
+                     const MakeDetectDevice& make_device) {
+  const Rig chosen = choose_cameras(settings, rig, cameras);
+  stages_ = std::make_unique<Stages>(with_room(settings, chosen), chosen, cameras);
   if (make_device) stages_->take(make_device, cameras);
 }
 
