@@ -10,8 +10,10 @@
 
 #define RPTV_LANES [[gnu::always_inline]] RPTV_HOST_DEVICE inline
 
-// Before a loop of seven turns at most, whose number is known where it is inlined.
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
+// Before a loop of seven turns at most, whose number is known where it is inlined. Sanitizers would compile for
+// minutes.
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define RPTV_UNROLL _Pragma("GCC unroll 7")
 #else
 #define RPTV_UNROLL
