@@ -11,6 +11,15 @@ namespace {
 constexpr int kSteps = 4;
 constexpr int kDepths = 9;
 constexpr double kAnyLight = 1e30;
+constexpr std::size_t kMostOverlap = 4;  // images on every pixel: more than lit pixels can part
+
+JointFitOptions joint_options(const LightFieldCalibration& calibration, const ShakeOptions& options,
+                              std::size_t mean_pixels) {
+  auto joint = make_joint_fit_options(options, options.max_pixels, mean_pixels);
+  const auto sensor = static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px);
+  joint.max_entries = std::min(joint.max_entries, kMostOverlap * sensor);
+  return joint;
+}
 
 // Over the depths of the volume, in the middle of the sensor.
 std::size_t mean_pixels(const LightFieldCalibration& calibration, const LensletLattice& lattice,
@@ -29,8 +38,7 @@ std::size_t mean_pixels(const LightFieldCalibration& calibration, const LensletL
 
 NeighbourSpread::NeighbourSpread(const LightFieldCalibration& calibration, const LensletLattice& lattice,
                                  const ShakeOptions& options)
-    : fit_(calibration, lattice,
-           make_joint_fit_options(options, options.max_pixels, mean_pixels(calibration, lattice, options))),
+    : fit_(calibration, lattice, joint_options(calibration, options, mean_pixels(calibration, lattice, options))),
       grey_(static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px)),
       spreads_(options.max_particles) {
   joint_.reserve(options.max_particles);
@@ -46,7 +54,10 @@ std::size_t NeighbourSpread::find(const ImageView& image, std::span<const float>
   fit_.find_spreads(joint_, spreads_);
   std::size_t rough = 0;
   for (std::size_t k = 0; k < particles.size(); ++k) {
-    if (!(joint_[k].light > 0)) continue;  // no room for its image: it stays what it was
+    if (!(joint_[k].light > 0)) {  // no room for its image: it stays what it was
+      ++rough;
+      continue;
+    }
     particles[k].at = joint_[k].at, particles[k].light = joint_[k].light, particles[k].shared = spreads_[k].shared;
     rough += spreads_[k].cut ? 1 : 0;
   }
