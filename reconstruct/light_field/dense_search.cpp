@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruct/parallel.hpp"
+
 namespace rptv {
 
 namespace {
@@ -18,7 +20,11 @@ constexpr double kWeak = 0.5;  // of the typical light: looked for last
 constexpr float kFirstWeakScore = 0.5F;
 constexpr double kLeastLight = 0.2;  // of the typical light, until the end
 constexpr double kMostLight = 1e30;  // of a particle, in the end
-constexpr double kFaintSigmas = 2;   // of a dark pixel
+constexpr double kPair = 1.4;        // of the typical light
+constexpr double kSplitPitches = 0.1;
+constexpr double kWorthMoving = 1;  // χ²
+constexpr int kPlaceRounds = 2;
+constexpr double kFaintSigmas = 2;  // of a dark pixel
 constexpr std::size_t kHitsAParticle = 64;
 // A particle is as bright as the darker ones of its pixels say, which it need not share; the typical one is the median.
 constexpr float kBright = 0.3F;  // of a particle's brightest pixel: enough to tell its light
@@ -37,18 +43,6 @@ double dark_variance(const ShakeOptions& options) noexcept {
   return options.dark_noise_grey * options.dark_noise_grey + 1.0 / 12;
 }
 
-JointFitOptions fit_options(const ShakeOptions& options, const Footprints& footprints) {
-  JointFitOptions fit;
-  fit.model = options.model;
-  fit.dark_variance = dark_variance(options);
-  fit.variance_per_grey = 1 / options.electrons_per_grey;
-  fit.max_particles = options.max_particles;
-  fit.max_image_pixels = 2 * footprints.most_pixels();
-  fit.max_entries = options.max_particles * footprints.mean_pixels() * 3 / 2;
-  fit.threads = options.threads;
-  return fit;
-}
-
 float quantile(std::span<float> values, double share) noexcept {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
@@ -65,21 +59,24 @@ DenseSearch::DenseSearch(const LightFieldCalibration& calibration, const Lenslet
               {static_cast<std::uint32_t>(calibration.sensor.width_px),
                static_cast<std::uint32_t>(calibration.sensor.height_px), 2},
               kHitsAParticle * options.max_particles, options.threads),
-      fit_(calibration, lattice, fit_options(options, footprints_)),
+      fit_(calibration, lattice,
+           make_joint_fit_options(options, 2 * footprints_.most_pixels(), footprints_.mean_pixels())),
       model_(calibration, lattice, options.model),
       image_(2 * footprints_.most_pixels()) {
   grey_.resize(static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px));
   residual_.resize(grey_.size());
+  other_places_.reserve(options.threads);
+  for (std::size_t k = 0; k < options.threads; ++k)  // not copies, which would have no room kept
+    other_places_.emplace_back(calibration, lattice, options, 2 * footprints_.most_pixels());
   ratios_.reserve(2 * footprints_.most_pixels());
   lights_.reserve(options.max_particles);
   particles_.reserve(options.max_particles);
+  before_.reserve(options.max_particles);
   spreads_.resize(options.max_particles);
 }
 
 void DenseSearch::begin(const ImageView& image, std::span<const float> background) noexcept {
-  const bool bytes = image.shape.bytes_per_pixel == 1;
-  for (std::size_t i = 0; i < grey_.size(); ++i)
-    grey_[i] = (bytes ? static_cast<float>(image.as_u8()[i]) : static_cast<float>(image.as_u16()[i])) - background[i];
+  grey_above(image, background, grey_);
   fit_.begin(grey_);
   particles_.clear();
   refused_ = refused_hits_ = 0;
@@ -148,16 +145,79 @@ void DenseSearch::search(double share, float first_score, bool capped) noexcept 
   }
 }
 
+// Each for itself, then all together; what is no better is undone.
+bool DenseSearch::try_other_places() noexcept {
+  before_ = particles_;
+  const JointView view{grey_, fit_.explained()};
+  parallel_for(particles_.size(), options_.threads, [&](std::size_t k, std::size_t thread) {
+    FittedParticle particle;
+    particle.at = particles_[k].at, particle.light = particles_[k].light;
+    if (other_places_[thread].improve(particle, view) > kWorthMoving) particles_[k] = {particle.at, particle.light};
+  });
+  const double misfit = fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
+  const bool better = misfit < misfit_ - kWorthMoving;
+  if (better)
+    misfit_ = misfit;
+  else
+    particles_ = before_, misfit_ = fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
+  return better;
+}
+
+void DenseSearch::widen_where_ambiguous() noexcept {
+  const JointView view{grey_, fit_.explained()};
+  parallel_for(particles_.size(), options_.threads, [&](std::size_t k, std::size_t thread) {
+    FittedParticle particle;
+    particle.at = particles_[k].at, particle.light = particles_[k].light;
+    const FitCovariance more = other_places_[thread].ambiguity(particle, view);
+    auto& c = spreads_[k].shared;
+    c = {c.xx + more.xx, c.xy + more.xy, c.xz + more.xz, c.yy + more.yy, c.yz + more.yz, c.zz + more.zz};
+  });
+}
+
+// Two that are one so far; when they turn out to be one, they are made one again (Shake::unite).
+void DenseSearch::split_bright() noexcept {
+  const double aside = kSplitPitches * options_.pitch_mm, depth = aside / options_.slope_rms;
+  const std::size_t count = particles_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const JointParticle whole = particles_[k];
+    if (whole.light < kPair * light_) continue;
+    if (particles_.size() == particles_.capacity()) {
+      ++refused_;
+      continue;
+    }
+    const auto half = [&](double side) {
+      const ImagePoint& at = whole.at;
+      return JointParticle{{at.x + side * aside, at.y + side * aside / 2, at.z + side * depth}, whole.light / 2};
+    };
+    particles_[k] = half(1);
+    particles_.push_back(half(-1));
+  }
+}
+
 std::span<const JointParticle> DenseSearch::find(std::span<const FittedParticle> near) noexcept {
   light_ = typical_light(near);
   if (!(light_ > 0)) return {};
   search(1, kFirstScore, true);
-  fit_.fit(particles_, {kFinalSteps, kMostLight, kExcessSigmas});
+  misfit_ = fit_.fit(particles_, {kFinalSteps, kMostLight, kExcessSigmas});
   search(kWeak, kFirstWeakScore, false);
   fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
   drop_weak(options_.least_share * light_);
+  misfit_ = fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
+  for (int round = 0; round < kPlaceRounds && try_other_places(); ++round) continue;
+  search(kWeak, kFirstWeakScore, false);
+  split_bright();
   fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
+  drop_weak(options_.least_share * light_);
+  return particles_;
+}
+
+std::span<const JointParticle> DenseSearch::settle(std::span<const FittedParticle> particles) noexcept {
+  particles_.clear();
+  for (const auto& p : particles) particles_.push_back({p.at, p.light});
+  misfit_ = fit_.fit(particles_, {kFinalSteps, kMostLight, 0});
+  try_other_places();
   fit_.find_spreads(particles_, spreads_);
+  widen_where_ambiguous();
   return particles_;
 }
 

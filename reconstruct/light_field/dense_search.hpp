@@ -8,6 +8,7 @@
 
 #include "core/image.hpp"
 #include "reconstruct/light_field/joint_fit.hpp"
+#include "reconstruct/light_field/other_places.hpp"
 #include "reconstruct/light_field/particle_fit.hpp"
 #include "reconstruct/light_field/residual_search.hpp"
 #include "reconstruct/light_field/shake_options.hpp"
@@ -29,7 +30,9 @@ class DenseSearch {
   /// Finds all particles of the frame; many of them are near the places of `near`, which show how bright one is.
   /// Valid until the next call.
   std::span<const JointParticle> find(std::span<const FittedParticle> near) noexcept;
-  /// Of what find() found, in its order.
+  /// Fits once more, from where these are; as find().
+  std::span<const JointParticle> settle(std::span<const FittedParticle> particles) noexcept;
+  /// Of what settle() returned, in its order.
   std::span<const JointSpread> spreads() const noexcept { return {spreads_.data(), particles_.size()}; }
   /// Of this frame, beyond the room: particles, and places where one would fit.
   std::uint64_t refused() const noexcept { return refused_; }
@@ -41,6 +44,9 @@ class DenseSearch {
   void search(double share, float first_score, bool capped) noexcept;
   void drop_weak(double least_light) noexcept;
   void follow_light() noexcept;
+  bool try_other_places() noexcept;
+  void split_bright() noexcept;
+  void widen_where_ambiguous() noexcept;
 
   const ShakeOptions options_;
   Footprints footprints_;
@@ -48,9 +54,11 @@ class DenseSearch {
   JointFit fit_;
   ImageModel model_;
   ParticleImage image_;
-  double light_ = 0;  // of a typical particle
+  std::vector<OtherPlaces> other_places_;  // per thread
+  double light_ = 0;                       // of a typical particle
   std::vector<float> grey_, residual_, ratios_, lights_;
-  std::vector<JointParticle> particles_;
+  std::vector<JointParticle> particles_, before_;
+  double misfit_ = 0;
   std::vector<JointSpread> spreads_;
   std::uint64_t refused_ = 0, refused_hits_ = 0;
 };

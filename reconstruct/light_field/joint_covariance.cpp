@@ -12,10 +12,10 @@ namespace rptv {
 
 namespace {
 
-constexpr float kFaintPath = 0.03F;    // a path of this strength moves a variance by its square
-constexpr float kLeastPivot = 1e-7F;   // of 1: two that cannot be told apart
-constexpr double kMostStrength = 0.9;  // of what a group leaves out
-constexpr double kOwnRidge = 1e-8;
+constexpr float kFaintPath = 0.03F;                    // a path of this strength moves a variance by its square
+constexpr float kLeastPivot = 1e-7F;                   // of 1: two that cannot be told apart
+constexpr double kMostStrength = 0.9;                  // of what a group leaves out
+constexpr double kOwnRidge = 1e-7, kHarderRidge = 10;  // where rounding leaves a block that is not positive
 
 using Matrix4f = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
 
@@ -49,8 +49,10 @@ void JointCovariance::find(const JointNormal& normal, std::span<JointSpread> spr
 
 void JointCovariance::whiten(const JointNormal& normal, std::size_t k) noexcept {
   Eigen::Matrix4d own = Eigen::Map<const Matrix4f>(normal.diagonal(k).data()).cast<double>();
-  own.diagonal().array() += kOwnRidge;
-  const Eigen::Matrix4d root = own.llt().matrixL().solve(Eigen::Matrix4d::Identity());
+  Eigen::LLT<Eigen::Matrix4d> factor(own);
+  for (double ridge = kOwnRidge; factor.info() != Eigen::Success && ridge <= 1; ridge *= kHarderRidge)
+    factor.compute(own + ridge * Eigen::Matrix4d::Identity());
+  const Eigen::Matrix4d root = factor.matrixL().solve(Eigen::Matrix4d::Identity());
   Eigen::Map<Matrix4f>(root_[k].data()) = root.cast<float>();
 }
 

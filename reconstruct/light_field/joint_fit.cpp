@@ -19,6 +19,25 @@ constexpr double kMostAsideMm = 0.03, kMostDepthMm = 1.5, kMostDepthShare = 0.2,
 constexpr double kStillAsideMm = 1e-4, kStillDepthMm = 5e-3;  // a particle that would move less keeps its image
 }  // namespace
 
+void grey_above(const ImageView& image, std::span<const float> background, std::span<float> grey) noexcept {
+  const bool bytes = image.shape.bytes_per_pixel == 1;
+  for (std::size_t i = 0; i < grey.size(); ++i)
+    grey[i] = (bytes ? static_cast<float>(image.as_u8()[i]) : static_cast<float>(image.as_u16()[i])) - background[i];
+}
+
+JointFitOptions make_joint_fit_options(const ShakeOptions& shake, std::size_t max_image_pixels,
+                                       std::size_t mean_pixels) noexcept {
+  JointFitOptions fit;
+  fit.model = shake.model;
+  fit.dark_variance = shake.dark_noise_grey * shake.dark_noise_grey + 1.0 / 12;
+  fit.variance_per_grey = 1 / shake.electrons_per_grey;
+  fit.max_particles = shake.max_particles;
+  fit.max_image_pixels = max_image_pixels;
+  fit.max_entries = shake.max_particles * mean_pixels * 3 / 2;
+  fit.threads = shake.threads;
+  return fit;
+}
+
 JointFit::JointFit(const LightFieldCalibration& calibration, const LensletLattice& lattice,
                    const JointFitOptions& options)
     : options_(options),
@@ -112,7 +131,7 @@ void JointFit::propose(std::span<const JointParticle> particles, std::span<const
   });
 }
 
-void JointFit::fit(std::span<JointParticle> particles, const JointGoal& goal) noexcept {
+double JointFit::fit(std::span<JointParticle> particles, const JointGoal& goal) noexcept {
   for (auto& p : particles) p.light = std::min(p.light, goal.most_light);
   render_all(particles);
   double least = misfit(*now_, particles, goal, explained_);
@@ -130,13 +149,14 @@ void JointFit::fit(std::span<JointParticle> particles, const JointGoal& goal) no
       better = gain > 0;
       damping = better ? std::max(damping * kEase, kLeastDamping) : damping * kHarden;
     }
-    if (!better) return;
+    if (!better) return least;
     least -= gain;
     std::copy_n(proposed_.begin(), particles.size(), particles.begin());
     std::swap(now_, next_);
     std::swap(explained_, next_explained_);
-    if (gain < kStillGain) return;
+    if (gain < kStillGain) return least;
   }
+  return least;
 }
 
 void JointFit::find_spreads(std::span<const JointParticle> particles, std::span<JointSpread> spreads) noexcept {

@@ -6,9 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "core/image.hpp"
 #include "reconstruct/light_field/joint_covariance.hpp"
 #include "reconstruct/light_field/joint_images.hpp"
 #include "reconstruct/light_field/joint_normal.hpp"
+#include "reconstruct/light_field/shake_options.hpp"
 
 namespace rptv {
 
@@ -21,6 +23,13 @@ struct JointFitOptions {
   std::size_t max_entries = 1 << 20;       ///< pixels of all images together
   std::size_t threads = 1;
 };
+
+/// Grey values above background, one per pixel.
+void grey_above(const ImageView& image, std::span<const float> background, std::span<float> grey) noexcept;
+
+/// `mean_pixels`: of the images of the particles that a frame may have.
+JointFitOptions make_joint_fit_options(const ShakeOptions& shake, std::size_t max_image_pixels,
+                                       std::size_t mean_pixels) noexcept;
 
 /// How one fit goes.
 struct JointGoal {
@@ -43,8 +52,9 @@ class JointFit {
 
   /// Starts a frame: grey values above background, one a pixel of the sensor; they must stay.
   void begin(std::span<const float> grey) noexcept;
-  /// Moves the particles. Those that cannot be rendered, or have no room, get no light.
-  void fit(std::span<JointParticle> particles, const JointGoal& goal) noexcept;
+  /// Moves the particles; returns χ² of all pixels, but for a constant. Those that cannot be rendered, or have no room,
+  /// get no light.
+  double fit(std::span<JointParticle> particles, const JointGoal& goal) noexcept;
   /// How sure each of the particles of the last fit() is, by the noise of the pixels alone.
   void find_spreads(std::span<const JointParticle> particles, std::span<JointSpread> spreads) noexcept;
   /// Light of the particles of the last fit.

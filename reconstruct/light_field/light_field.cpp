@@ -11,6 +11,8 @@
 #include "reconstruct/light_field/ghost_probability.hpp"
 #include "reconstruct/light_field/light_field_dark.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
+#include "reconstruct/light_field/neighbour_spread.hpp"
+#include "reconstruct/light_field/pair_spread.hpp"
 #include "reconstruct/parallel.hpp"
 
 namespace rptv {
@@ -38,6 +40,7 @@ struct LightField::Stages {
   std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
   void find_overlapping(const ImageView& image) noexcept;
+  void take_over(std::span<const JointParticle> found) noexcept;
   void write(Particles& out) const noexcept;
   void tell(Losses& losses) const noexcept;
 
@@ -60,6 +63,8 @@ struct LightField::Stages {
   DeviceParticles by_device;
   std::unique_ptr<Shake> shake;               // with settings.refine
   std::unique_ptr<DenseSearch> dense_search;  // with settings.refine_search = "grey_values"
+  std::unique_ptr<PairSpread> pair_spread;
+  std::unique_ptr<NeighbourSpread> neighbours;  // with settings.refine_search = "rays"
   std::vector<FittedParticle> particles;
   LightFieldCounts counts;
 };
@@ -89,7 +94,11 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
   if (!s.refine) return;
   const ShakeOptions options = make_shake_options(s, calibration, explain_options);
   shake = std::make_unique<Shake>(calibration, lattice, options);
-  if (s.refine_search == "grey_values") dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
+  pair_spread = std::make_unique<PairSpread>(calibration, lattice, options);
+  if (s.refine_search == "grey_values")
+    dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
+  else
+    neighbours = std::make_unique<NeighbourSpread>(calibration, lattice, options);
 }
 
 // Appends what the first `lit_pixels` of `lit` show.
@@ -128,7 +137,8 @@ void LightField::Stages::append(std::span<const FittedParticle> found) noexcept 
 std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcept {
   constexpr float kSigmas = 4;
   const auto end = std::remove_if(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit_pixels), [&](auto pixel) {
-    const float noise = std::sqrt(shake->explained(pixel) / static_cast<float>(settings.electrons_per_grey));
+    const float noise =
+        std::sqrt(std::max(shake->explained()[pixel], 0.0F) / static_cast<float>(settings.electrons_per_grey));
     return shake->unexplained(pixel) < dark.threshold_of(pixel) + kSigmas * noise;
   });
   return static_cast<std::size_t>(end - lit.begin());
@@ -145,21 +155,35 @@ void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) 
     if (particles.size() == known) break;
     particles.resize(shake->refine(particles, known));
   }
+  counts.rough_covariances += neighbours->find(image, dark.now().mean, particles);
+  shake->begin(image, dark.now().mean);
+  particles.resize(shake->describe(particles));
+  pair_spread->widen(particles, shake->explained());
   std::sort(particles.begin(), particles.end(), by_support);
+}
+
+void LightField::Stages::take_over(std::span<const JointParticle> found) noexcept {
+  particles.clear();
+  for (const auto& p : found) {
+    auto& particle = particles.emplace_back();
+    particle.at = p.at, particle.light = p.light;
+  }
 }
 
 // Rays only show how bright a particle is.
 void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
   dense_search->begin(image, dark.now().mean);
-  const auto found = dense_search->find(particles);
+  take_over(dense_search->find(particles));
+  particles.resize(shake->unite(particles));
+  take_over(dense_search->settle(particles));
   const auto spreads = dense_search->spreads();
-  particles.clear();
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    auto& particle = particles.emplace_back();
-    particle.at = found[k].at, particle.light = found[k].light, particle.shared = spreads[k].shared;
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    particles[k].shared = spreads[k].shared;
     counts.rough_covariances += spreads[k].cut ? 1 : 0;
   }
+  shake->begin(image, dark.now().mean);
   particles.resize(shake->describe(particles));
+  pair_spread->widen(particles, shake->explained());
   counts.refused_candidates += dense_search->refused_hits();
   counts.refused_particles += dense_search->refused();
 }

@@ -22,6 +22,7 @@ struct FittedParticle {
   double seen = 0;         ///< share of its light that falls on the sensor
   double gain = 0;         ///< χ² that it explains
   double agreement = 0;    ///< that over what a right model would explain; 1: nothing but noise is left
+  double misfit = 1;       ///< factor of its variances for what the model does not explain, at least 1
   FitCovariance shared{};  ///< what the covariance has because neighbours' places are not known either, without misfit
   double crowded = 0;      ///< share of its light that falls where other particles' does
   double ghost = 0;        ///< probability that it is none

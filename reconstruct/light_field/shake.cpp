@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "reconstruct/light_field/shake_step.hpp"
 #include "reconstruct/parallel.hpp"
@@ -17,12 +16,6 @@ constexpr std::size_t kBlockPixels = 64;
 constexpr int kStepsAVisit = 2, kStepsOfASearch = 3;
 constexpr double kStillGain = 0.05;  // a step that promises to explain less χ² than this is not worth an image
 constexpr float kMisfit = 0.1F;      // of the model of a particle's image: none is made of another's errors
-// What no noise model knows: how well the model's borders between lenslets lie where the real ones are, in pitches.
-// Read off scenes traced without noise. Near the array few pixels of few lenslets show the depth, and what counts is
-// the particle's shape in them; far from it the many narrow pieces are blurred more than the model has it.
-constexpr double kBorderErrorNear = 1.7, kNear = 0.3;  // over squared pixels of a sub-image; in shallow depths
-constexpr double kBorderErrorFar = 0.0007;             // per squared shallow depth
-
 }  // namespace
 
 Shake::Shake(const LightFieldCalibration& calibration, const LensletLattice& lattice, const ShakeOptions& options)
@@ -31,7 +24,8 @@ Shake::Shake(const LightFieldCalibration& calibration, const LensletLattice& lat
       column_of_(calibration),
       explained_(static_cast<std::size_t>(calibration.sensor.width_px * calibration.sensor.height_px)),
       painted_(explained_.size() / kBlockPixels + 1),
-      workers_(options.threads, Worker(ImageModel(calibration, lattice, options.model), options.max_pixels)) {
+      workers_(options.threads, Worker(ImageModel(calibration, lattice, options.model),
+                                       LensletMisfit(calibration, lattice), options.max_pixels)) {
   const double reach =
       workers_[0].model.reach_px(std::max(std::abs(options.lowest_z_mm), std::abs(options.highest_z_mm)));
   stripe_px_ = 2 * reach + static_cast<double>(kBlockPixels);
@@ -43,6 +37,7 @@ Shake::Shake(const LightFieldCalibration& calibration, const LensletLattice& lat
 
 void Shake::begin(const ImageView& image, std::span<const float> background) noexcept {
   image_ = image;
+  misfit_ = kMisfit;
   background_ = background;
   for (std::size_t block = 0; block < painted_.size(); ++block) {
     if (painted_[block] == 0) continue;
@@ -60,7 +55,7 @@ Seen Shake::look(const ParticleImage& image, Worker& worker) const noexcept {
   }
   return {worker.grey.data(), worker.others.data(),
           static_cast<float>(options_.dark_noise_grey * options_.dark_noise_grey + 1.0 / 12),
-          static_cast<float>(1 / options_.electrons_per_grey), kMisfit};
+          static_cast<float>(1 / options_.electrons_per_grey), misfit_};
 }
 
 void Shake::paint(const ParticleImage& image, double light) noexcept {
@@ -88,8 +83,7 @@ void Shake::sort_into_stripes(std::span<const FittedParticle> particles) noexcep
 }
 
 // Even stripes side by side, then odd ones: the images of two that are worked on at a time never meet.
-template <class Visit>
-void Shake::for_each(std::span<FittedParticle> particles, const Visit& visit) noexcept {
+void Shake::for_each(std::span<FittedParticle> particles, const auto& visit) noexcept {
   for (std::size_t parity = 0; parity < 2; ++parity)
     parallel_for((stripes_ + 1 - parity) / 2, options_.threads, [&](std::size_t item, std::size_t thread) {
       const std::size_t stripe = 2 * item + parity;
@@ -118,7 +112,7 @@ std::size_t Shake::refine(std::span<FittedParticle> particles, std::size_t first
   return drop_ghosts(particles);
 }
 
-std::size_t Shake::describe(std::span<FittedParticle> particles) noexcept {
+void Shake::paint_all(std::span<FittedParticle> particles) noexcept {
   sort_into_stripes(particles);
   for_each(particles, [&](FittedParticle& p, Worker& worker, std::size_t) {
     if (worker.model.render(p.at, worker.now))
@@ -126,7 +120,18 @@ std::size_t Shake::describe(std::span<FittedParticle> particles) noexcept {
     else
       p.light = 0;
   });
+}
+
+std::size_t Shake::unite(std::span<FittedParticle> particles) noexcept {
+  paint_all(particles);
+  misfit_ = 0;
   join_twins(particles);
+  misfit_ = kMisfit;
+  return drop_ghosts(particles);
+}
+
+std::size_t Shake::describe(std::span<FittedParticle> particles) noexcept {
+  paint_all(particles);
   for_each(particles, [&](FittedParticle& p, Worker& worker, std::size_t) {
     if (!(p.light > 0) || !worker.model.render(p.at, worker.now)) return;
     paint(worker.now, -p.light);
@@ -174,33 +179,6 @@ void Shake::fit(FittedParticle& particle, Worker& worker, bool search) noexcept 
   particle = state.particle;
   tell(state, worker, particle);
   paint(worker.now, particle.light);
-}
-
-// What is known about a particle that is not painted; `worker` has its image.
-void Shake::tell(const State& state, Worker& worker, FittedParticle& particle) const noexcept {
-  const ParticleImage& image = worker.now;
-  particle.chi_square = state.sums.square / std::max(1.0, static_cast<double>(image.size) - 4);
-  particle.gain = state.sums.gain;
-  const auto pixels = static_cast<double>(image.size);  // noise leaves χ² pixels ± √(2·pixels)
-  const double left = state.sums.square - pixels - 3 * std::sqrt(2 * pixels);
-  particle.agreement = state.sums.gain > 0 ? state.sums.gain / (state.sums.gain + std::max(left, 0.0)) : 0;
-  particle.crowded = crowded(state, worker);
-  particle.seen =
-      std::accumulate(image.value.begin(), image.value.begin() + static_cast<std::ptrdiff_t>(image.size), 0.0);
-  const double border_mm = border_error_mm(particle.at.z);
-  const double misfit = std::max(1.0, particle.chi_square);
-  particle.covariance =
-      covariance_of(state.sums, misfit, border_mm, options_.slope_rms, column_of_.direction(particle.at));
-  auto& c = particle.covariance;
-  const auto& shared = particle.shared;
-  c = {c.xx + misfit * shared.xx, c.xy + misfit * shared.xy, c.xz + misfit * shared.xz,
-       c.yy + misfit * shared.yy, c.yz + misfit * shared.yz, c.zz + misfit * shared.zz};
-}
-
-double Shake::border_error_mm(double z_mm) const noexcept {
-  const double depth = std::abs(z_mm) / options_.shallow_mm;
-  const double near = kBorderErrorNear / (options_.subimage_px * options_.subimage_px);
-  return options_.pitch_mm * (near / (1 + std::pow(depth / kNear, 2)) + kBorderErrorFar * depth * depth);
 }
 
 // Levenberg-Marquardt; `worker.now` is the image of the state before and after.

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/image.hpp"
+#include "reconstruct/light_field/lenslet_misfit.hpp"
 #include "reconstruct/light_field/particle_image.hpp"
 #include "reconstruct/light_field/shake_options.hpp"
 #include "reconstruct/light_field/shake_step.hpp"
@@ -15,9 +15,9 @@
 namespace rptv {
 
 /// Each particle in turn is fitted (Levenberg-Marquardt, shot-noise weights) to what the others leave of the image. The
-/// sensor is cut into stripes that are wider than a particle's image; every other stripe at a time is worked on, so
-/// that neighbours never change under each other, and the result does not depend on the number of threads. Nothing
-/// allocates after construction; one thread calls.
+/// sensor is cut into stripes wider than a particle's image; every other stripe at a time is worked on, so that
+/// neighbours never change under each other, and the result does not depend on the number of threads. Nothing allocates
+/// after construction; one thread calls.
 class Shake {
  public:
   /// Throws Error(configuration) without a pupil radius.
@@ -29,18 +29,21 @@ class Shake {
   /// Fits particles[0 … n) to the image, moved in place; `first_new` and later are new since the last call. Those that
   /// turn out to be ghosts, or leave the volume, are taken out. Returns how many are left, in unchanged order.
   std::size_t refine(std::span<FittedParticle> particles, std::size_t first_new) noexcept;
-  /// What refine() tells about particles, of such as are placed together already, their lights known: none moves, but
-  /// those that are one become one, and ghosts are taken out. The first call of a frame.
+  /// Of particles whose places and lights are known, those become one of which one explains all but so little χ² as
+  /// noise does. The first call of a frame. Returns how many are left.
+  std::size_t unite(std::span<FittedParticle> particles) noexcept;
+  /// What refine() tells about particles, of such as are placed already: ghosts are taken out. The first call, too.
   std::size_t describe(std::span<FittedParticle> particles) noexcept;
-  /// Light of a pixel, grey values above background: what particles explain, and the rest.
-  float explained(std::uint32_t pixel) const noexcept { return std::max(explained_[pixel], 0.0F); }
+  /// Light of pixels, grey values above background: what particles explain (not below 0, but for rounding); the rest.
+  std::span<const float> explained() const noexcept { return explained_; }
   float unexplained(std::uint32_t pixel) const noexcept { return grey(pixel) - explained_[pixel]; }
 
  private:
   struct Worker {
-    Worker(const ImageModel& m, std::size_t max_pixels)
-        : model(m), now(max_pixels), next(max_pixels), grey(max_pixels), others(max_pixels) {}
+    Worker(const ImageModel& m, const LensletMisfit& d, std::size_t max_pixels)
+        : model(m), disagreement(d), now(max_pixels), next(max_pixels), grey(max_pixels), others(max_pixels) {}
     ImageModel model;
+    LensletMisfit disagreement;
     ParticleImage now, next;
     std::vector<float> grey, others;
   };
@@ -56,8 +59,7 @@ class Shake {
   Seen look(const ParticleImage& image, Worker& worker) const noexcept;
   void paint(const ParticleImage& image, double light) noexcept;
   void sort_into_stripes(std::span<const FittedParticle> particles) noexcept;
-  template <class Visit>
-  void for_each(std::span<FittedParticle> particles, const Visit& visit) noexcept;
+  void for_each(std::span<FittedParticle> particles, const auto& visit) noexcept;
   void introduce(FittedParticle& particle, Worker& worker) noexcept;
   void fit(FittedParticle& particle, Worker& worker, bool search) noexcept;
   bool render(State& state, ParticleImage& image, Worker& worker) const noexcept;
@@ -68,11 +70,11 @@ class Shake {
   bool may_be_one(const FittedParticle& a, const FittedParticle& b) const noexcept;
   bool same_place(const FittedParticle& a, const FittedParticle& b) const noexcept;
   void join_halves(std::span<FittedParticle> particles) noexcept;
+  void paint_all(std::span<FittedParticle> particles) noexcept;
   void join_twins(std::span<FittedParticle> particles) noexcept;
   bool join(FittedParticle& one, FittedParticle& other, Worker& worker) noexcept;
   double crowded(const State& state, const Worker& worker) const noexcept;
-  double border_error_mm(double z_mm) const noexcept;
-  double gain_of(const FittedParticle& particle, Worker& worker) noexcept;
+  ShakeSums paint_and_weigh(const FittedParticle& particle, Worker& worker) noexcept;
   void drop_middles(std::span<FittedParticle> particles) noexcept;
   bool explain_without(FittedParticle& middle, std::span<FittedParticle* const> around) noexcept;
   void paint_again(const FittedParticle& particle, double share, Worker& worker) noexcept;
@@ -91,6 +93,7 @@ class Shake {
   std::size_t stripes_ = 1;
   double stripe_px_ = 0;
   std::vector<std::uint32_t> order_, stripe_first_;  // particles by stripe
+  float misfit_ = 0;                                 // rms error of the model of others' images, as a share
   std::vector<float> lights_;                        // workspace
 };
 

@@ -10,7 +10,7 @@ namespace rptv {
 namespace {
 constexpr double kNeighbours = 1.8;  // pitches apart, at most
 constexpr int kStepsOfAJoin = 5;
-constexpr double kSameDepth = 0.2;  // of the shallow depth
+constexpr double kSameDepth = 0.4;  // of the shallow depth
 constexpr double kAsGood = 0.98;    // of the χ² that both explain: the simpler answer may explain a little less
 }  // namespace
 
@@ -43,12 +43,12 @@ void Shake::join_twins(std::span<FittedParticle> particles) noexcept {
       if (same_place(particles[i], particles[j])) join(particles[i], particles[j], workers_[0]);
 }
 
-// The gain of a particle that is not painted; paints it.
-double Shake::gain_of(const FittedParticle& particle, Worker& worker) noexcept {
+// Of a particle that is not painted; paints it. `worker` has its image.
+ShakeSums Shake::paint_and_weigh(const FittedParticle& particle, Worker& worker) noexcept {
   State state{particle, {}};
-  if (!render(state, worker.now, worker)) return 0;
+  if (!render(state, worker.now, worker)) return {};
   paint(worker.now, particle.light);
-  return state.sums.gain;
+  return state.sums;
 }
 
 bool Shake::join(FittedParticle& one, FittedParticle& other, Worker& worker) noexcept {
@@ -63,8 +63,13 @@ bool Shake::join(FittedParticle& one, FittedParticle& other, Worker& worker) noe
   whole.sums.gain = -1;
   if (render(whole, worker.now, worker)) climb(whole, worker, kStepsOfAJoin);
   if (std::abs(whole.particle.at.z) < options_.shallow_mm) search_depth(whole, worker);
-  const double apart = gain_of(one, worker) + gain_of(other, worker);
-  if (whole.sums.gain < kAsGood * apart) return false;
+  const double first = paint_and_weigh(one, worker).gain;
+  const ShakeSums last = paint_and_weigh(other, worker);
+  const double apart = first + last.gain;
+  const double chi_square = last.square / std::max(1.0, static_cast<double>(worker.now.size) - 4);
+  if (misfit_ > 0 ? whole.sums.gain < kAsGood * apart
+                  : whole.sums.gain < apart - kLeastGain * std::max(1.0, chi_square))
+    return false;
   for (const auto* p : {&one, &other})
     if (worker.model.render(p->at, worker.now)) paint(worker.now, -p->light);
   one = whole.particle;

@@ -36,8 +36,8 @@ bool Shake::explain_without(FittedParticle& middle, std::span<FittedParticle* co
   Worker& worker = workers_[0];
   paint_again(middle, -1, worker);
   for (const auto* q : around) paint_again(*q, -1, worker);
-  double with = gain_of(middle, worker);
-  for (const auto* q : around) with += gain_of(*q, worker);
+  double with = paint_and_weigh(middle, worker).gain;
+  for (const auto* q : around) with += paint_and_weigh(*q, worker).gain;
   paint_again(middle, -1, worker);
   std::array<FittedParticle, kMostAround> alone;
   for (std::size_t k = 0; k < around.size(); ++k) alone[k] = *around[k];
@@ -51,7 +51,7 @@ bool Shake::explain_without(FittedParticle& middle, std::span<FittedParticle* co
     }
   for (std::size_t k = 0; k < around.size(); ++k) paint_again(alone[k], -1, worker);
   double without = 0;
-  for (std::size_t k = 0; k < around.size(); ++k) without += gain_of(alone[k], worker);
+  for (std::size_t k = 0; k < around.size(); ++k) without += paint_and_weigh(alone[k], worker).gain;
   const bool dispensable = without > with - kLeastGain;
   if (dispensable) {
     middle.light = 0;

@@ -85,6 +85,30 @@ TEST(JointCovariance, tells_where_a_group_is_cut_and_widens_it) {
   }
 }
 
+// Of a particle in the sensor's corner a pixel or two are left, which do not tell four numbers.
+TEST(JointCovariance, stays_a_number_beside_a_particle_that_hardly_lights_the_sensor) {
+  JointImages images(2, kMostPixels);
+  images.begin(2);
+  const std::vector<JointParticle> joint{{{0, 0, 5}, kLight}, {{0.1, 0, 5}, kLight}};
+  ParticleImage whole(4), crumb(4);
+  whole.size = 4, crumb.size = 1;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    whole.pixel[i] = i, whole.value[i] = 0.2F;
+    whole.dx[i] = i == 0 ? 1.0F : 0.1F, whole.dy[i] = i == 1 ? 1.0F : -0.1F, whole.dz[i] = i == 2 ? 0.1F : 0.01F;
+  }
+  crumb.pixel[0] = 3, crumb.value[0] = 0.3F, crumb.dx[0] = 0.7F, crumb.dy[0] = -1.3F, crumb.dz[0] = 0.09F;
+  ASSERT_TRUE(images.put(0, whole) && images.put(1, crumb));
+  const std::vector<float> weight(4, 0.02F), rest(4);
+  JointNormal normal(4, 2, kMostPixels, 1);
+  normal.assemble(images, joint, weight, rest, 1e30);
+  JointCovariance covariance(2, normal.max_blocks(), 1);
+  std::vector<JointSpread> both(2);
+  covariance.find(normal, both);
+  for (const auto& spread : both)
+    for (const double variance : variances(spread.alone)) EXPECT_TRUE(std::isfinite(variance) && variance > 0);
+  for (const double variance : variances(both[0].shared)) EXPECT_TRUE(std::isfinite(variance));
+}
+
 TEST(JointCovariance, does_not_depend_on_the_number_of_threads) {
   const Overlapping one(60, 0.4, 2, 1), three(60, 0.4, 2, 3);
   for (std::size_t k = 0; k < one.spreads.size(); ++k) {
