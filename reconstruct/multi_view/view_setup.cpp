@@ -55,6 +55,10 @@ CorrespondenceOptions matching_of(const MultiViewSettings& settings) {
           static_cast<std::size_t>(settings.detector.max_detections), static_cast<std::size_t>(settings.max_matches)};
 }
 
+GhostOptions ghosts_of(const MultiViewSettings& settings, double tolerance_px) {
+  return {tolerance_px, settings.ghosts != "global", settings.ghosts == "views"};
+}
+
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume) {
   std::vector<ViewRays> rays;
   for (const RigCamera& camera : rig.cameras) rays.emplace_back(camera.model, volume, camera.name);
