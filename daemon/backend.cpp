@@ -99,7 +99,7 @@ auto make_tried(const Config& config, Backend& backend, const std::string& work,
 std::unique_ptr<LightFieldDevice> make_tried_device(const Config& config, const LightFieldDevicePlan& plan,
                                                     Backend& backend) {
   return make_tried(
-      config, backend, "the candidates of a test image", [&] { return make_light_field_cuda(plan); },
+      config, backend, "the particles of a test image", [&] { return make_light_field_cuda(plan); },
       [&](LightFieldDevice& device) { return try_device(device, plan); });
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/json.hpp"
 #include "daemon/backend.hpp"
+#include "daemon/loss_advice.hpp"
 #include "daemon/session.hpp"
 
 namespace rptv {
@@ -27,8 +28,11 @@ std::string to_text(const SessionReport& report) {
                     milliseconds(l.p50_ns), milliseconds(l.p99_ns), milliseconds(l.p999_ns), milliseconds(l.max_ns));
   }
   if (report.losses.empty()) text += "losses: none\n";
-  for (const LossCount& loss : report.losses)
-    text += fmt::format("lost: {} × {} at {}\n", loss.count, name_of(loss.cause), loss.place);
+  for (const LossCount& loss : report.losses) {
+    const std::string_view advice = advice_on(loss.cause);
+    text += fmt::format("lost: {} × {} at {}{}{}\n", loss.count, name_of(loss.cause), loss.place,
+                        advice.empty() ? "" : ": ", advice);
+  }
   for (const CameraReport& camera : report.cameras) text += to_line(camera) + "\n";
   if (report.sets_without_device > 0) text += device_failure(report.sets_without_device) + "\n";
   if (!report.source_failure.empty()) text += "source failed: " + report.source_failure + "\n";

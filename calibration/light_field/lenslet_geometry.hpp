@@ -6,11 +6,9 @@
 #include <cstddef>
 #include <string>
 
-namespace rptv {
+#include "calibration/light_field/lattice_inverse.hpp"
 
-/// Terms of the distortion: x, y, x², xy, y², x³, x²y, xy², y³ of the undistorted position over `radius_mm`.
-inline constexpr std::size_t kDistortionTerms = 9;
-std::array<double, kDistortionTerms> distortion_terms(double x, double y) noexcept;
+namespace rptv {
 
 /// What fixes a lattice. Frame: mm, origin on the optical axis, x along columns, y along rows.
 struct LatticeParameters {
@@ -31,8 +29,9 @@ class LensletGeometry {
   /// Position of lattice point (u, v), mm; with and without distortion. u and v may be fractions.
   std::array<double, 2> position_mm(double u, double v) const noexcept;
   std::array<double, 2> undistorted_mm(double u, double v) const noexcept;
-  /// The inverse of position_mm, to 1e-9 pitches for distortions that bend the lattice by less than a tenth.
-  std::array<double, 2> lattice_of(double x_mm, double y_mm) const noexcept;
+  /// The inverse of position_mm.
+  const LatticeInverse& inverse() const noexcept { return inverse_; }
+  std::array<double, 2> lattice_of(double x_mm, double y_mm) const noexcept { return inverse_.lattice_of(x_mm, y_mm); }
   /// Lattice point next to a position, by distance on the undistorted lattice.
   std::array<double, 2> nearest_of(double x_mm, double y_mm) const noexcept;
   /// Square of the distance in pitches that two lattice points differ by.
@@ -45,12 +44,10 @@ class LensletGeometry {
   const LatticeParameters& parameters() const noexcept { return p_; }
 
  private:
-  std::array<double, 2> distortion_mm(double x_mm, double y_mm) const noexcept;
-
   LatticeParameters p_;
-  double cosine_between_;                                        // of the angle between a and b
-  std::array<double, 2> a_{}, b_{}, inverse_u_{}, inverse_v_{};  // mm; 1/mm
-  bool distorted_ = false;
+  double cosine_between_;            // of the angle between a and b
+  std::array<double, 2> a_{}, b_{};  // mm
+  LatticeInverse inverse_;
 };
 
 }  // namespace rptv

@@ -41,6 +41,9 @@ class LensletLattice {
 
   /// Continuous lattice coordinates (column, row from lenslet 0) of a point on the array plane.
   std::array<double, 2> on_true_lattice(double x_mm, double y_mm) const noexcept;
+  /// The lattice that on_true_lattice() asks, and the numbers in it of lenslet 0.
+  const LatticeInverse& inverse() const noexcept { return geometry_.inverse(); }
+  std::array<double, 2> first() const noexcept { return {first_u_, first_v_}; }
   /// The same of a point on the sensor, by the apparent lattice.
   std::array<double, 2> on_apparent_lattice(double x_mm, double y_mm) const noexcept {
     return on_true_lattice(x_mm / scale_, y_mm / scale_);

@@ -26,6 +26,8 @@ CandidateSearch::CandidateSearch(const LightFieldSettings& settings, const Light
     : pixels_to_rays_(plan.pixels_to_rays),
       grid_(plan.grid),
       min_count_(min_count),
+      rounds_(static_cast<std::size_t>(settings.explain_away ? settings.explain_rounds : 1)),
+      claim_(settings.explain_away),
       classification_(settings.classification),
       density_limit_(settings.density_limit),
       maximum_half_width_(half_widths(settings.maximum_radius_um, grid_)),
@@ -53,8 +55,20 @@ std::size_t CandidateSearch::find_lit(const ImageView& image, const DarkLimit& l
 
 std::size_t CandidateSearch::find_rays(std::span<const std::uint32_t> lit, Rays& rays) noexcept {
   std::size_t refused = 0;
+  converted_ = lit;
   if (device_ && by_device(device_->find_rays(lit, rays, refused))) return refused;
   return pixels_to_rays_.convert(lit, rays);
+}
+
+bool CandidateSearch::find_particles(Rays& rays, DeviceParticles& particles) noexcept {
+  if (!device_) return false;
+  if (claim_ && by_device(device_->find_particles(min_count_, rounds_, particles)) && particles.sure) return true;
+  fetch(rays);
+  return false;
+}
+
+void CandidateSearch::fetch(Rays& rays) noexcept {
+  if (!device_ || !by_device(device_->read_rays(rays))) pixels_to_rays_.convert(converted_, rays);
 }
 
 bool CandidateSearch::cloud_is_dense() const noexcept {

@@ -24,8 +24,12 @@ class CandidateSearch {
   /// find_lit_pixels(). `changed`: the limits are not those of the last call.
   std::size_t find_lit(const ImageView& image, const DarkLimit& limit, bool changed,
                        std::span<std::uint32_t> lit) noexcept;
-  /// Rays of lit pixels, eq. (5); returns how many pixels were left out.
+  /// Rays of lit pixels, eq. (5); returns how many pixels were left out. With a device they stay there, and `rays`
+  /// gets their number only.
   std::size_t find_rays(std::span<const std::uint32_t> lit, Rays& rays) noexcept;
+  /// All particles that the rays of the last find_rays() show, when a device can tell: then true. Otherwise they are
+  /// for find() to explain, and `rays` gets the rest of them.
+  bool find_particles(Rays& rays, DeviceParticles& particles) noexcept;
   /// Candidates from the free rays of the last find_rays(), eq. (6) and (7); valid until the next call. In a frame's
   /// first round the density of its cloud decides how it is classified, if that is automatic.
   std::span<const Candidate> find(const Rays& rays, std::span<const std::uint8_t> taken, bool first_round) noexcept;
@@ -36,11 +40,14 @@ class CandidateSearch {
 
  private:
   bool by_device(bool done) noexcept;
+  void fetch(Rays& rays) noexcept;
   bool cloud_is_dense() const noexcept;
 
   const PixelsToRays& pixels_to_rays_;
   const VoxelGrid grid_;
   const std::uint16_t min_count_;
+  const std::size_t rounds_;
+  const bool claim_;
   const std::string classification_;
   const double density_limit_;
   const std::array<std::int32_t, 3> maximum_half_width_;
@@ -50,7 +57,8 @@ class CandidateSearch {
   Dbscan dbscan_;
   std::vector<Candidate> candidates_;
   std::unique_ptr<LightFieldDevice> device_;
-  bool dense_ = true;  // the first round decides for the frame
+  std::span<const std::uint32_t> converted_;  // by the last find_rays()
+  bool dense_ = true;                         // the first round decides for the frame
   bool device_failed_ = false, device_has_limit_ = false;
   std::size_t refused_ = 0;
 };

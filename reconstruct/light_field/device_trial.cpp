@@ -13,7 +13,8 @@ namespace rptv {
 
 namespace {
 
-constexpr std::uint16_t kDark = 10;
+constexpr std::uint16_t kDark = 10, kLeast = 10;
+constexpr std::size_t kRounds = 2;
 
 // Bright grains of a few pixels, so that rays gather somewhere; about one pixel in twenty is lit.
 std::vector<std::uint16_t> scattered_light(const ImageShape& shape) {
@@ -34,6 +35,13 @@ bool same(std::span<const T> a, std::span<const T> b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
+bool same(std::span<const FittedParticle> a, const std::vector<FittedParticle>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const FittedParticle& p, const FittedParticle& q) {
+    return std::memcmp(&p.at, &q.at, sizeof p.at) == 0 && p.support == q.support && p.residual_mm == q.residual_mm &&
+           std::memcmp(&p.covariance, &q.covariance, sizeof p.covariance) == 0;
+  });
+}
+
 bool same(const Rays& a, const Rays& b) {
   return a.pixels == b.pixels && same<Ray>(a.all(), b.all()) && a.first_of_lenslet == b.first_of_lenslet &&
          std::equal(a.pixel.begin(), a.pixel.begin() + static_cast<std::ptrdiff_t>(a.size), b.pixel.begin()) &&
@@ -52,15 +60,18 @@ class Trial {
         limit_(image_.shape, kDark, 0),
         counter_(plan.grid, plan.max_rays, plan.threads),
         maxima_(plan.grid, plan.threads),
+        explain_(plan.window, plan.explain),
         taken_(plan.max_rays) {
+    other_particles_.found.reserve(plan.explain.max_particles);
     for (Side* side : {&cpu_, &other_}) side->candidates.reserve(plan.max_candidates);
   }
 
   std::string compare() {
     if (!device_.set_limit(limit_) || !device_lit()) return "it fails at the threshold";
     cpu_lit();
+    used_ = std::min(cpu_.found, cpu_.lit.size());
     if (cpu_.found != other_.found || cpu_.lit != other_.lit) return "it finds other lit pixels";
-    if (!device_rays()) return "it fails at the rays";
+    if (!device_rays() || !device_.read_rays(other_.rays)) return "it fails at the rays";
     cpu_rays();
     if (cpu_.refused != other_.refused || !same(cpu_.rays, other_.rays)) return "it finds other rays";
     for (const std::uint16_t least : std::initializer_list<std::uint16_t>{1, 3, 10}) {
@@ -70,18 +81,25 @@ class Trial {
         return "it finds other candidates";
       for (std::size_t i = least; i < taken_.size(); i += 3) taken_[i] = 1;
     }
-    return {};
+    return compare_particles();
+  }
+  // In ever fewer rows of the image, until the device is sure.
+  std::string compare_particles() {
+    do {
+      if (!device_rays() || !device_particles()) return "it fails at the particles";
+    } while (!other_particles_.sure && (used_ /= 2) > 0);
+    cpu_rays(), cpu_particles();
+    if (!other_particles_.sure) return "it is unsure of all particles";
+    return same(explain_.particles(), other_particles_.found) ? "" : "it finds other particles";
   }
   void time(DeviceTrial& trial) {
-    constexpr std::uint16_t kLeast = 10;
-    std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
     time_trial(
-        trial, [&] { cpu_lit(), cpu_rays(), cpu_candidates(kLeast); },
-        [&] { device_lit() && device_rays() && device_candidates(kLeast); });
+        trial, [&] { cpu_lit(), cpu_rays(), cpu_particles(); },
+        [&] { device_lit() && device_rays() && device_particles(); });
   }
 
  private:
-  std::span<const std::uint32_t> lit() const { return {cpu_.lit.data(), std::min(cpu_.found, cpu_.lit.size())}; }
+  std::span<const std::uint32_t> lit() const { return {cpu_.lit.data(), used_}; }
 
   void cpu_lit() { cpu_.found = find_lit_pixels(image_, limit_, cpu_.lit); }
   void cpu_rays() { cpu_.refused = plan_.pixels_to_rays.convert(lit(), cpu_.rays); }
@@ -90,6 +108,16 @@ class Trial {
     counter_.count(cpu_.rays, taken_, least);
     cpu_.refused = maxima_.find(counter_, least, cpu_.candidates);
   }
+  void cpu_particles() {
+    explain_.begin(cpu_.rays);
+    for (std::size_t round = 0; round < kRounds; ++round) {
+      std::copy(explain_.taken().begin(), explain_.taken().end(), taken_.begin());
+      cpu_candidates(kLeast);
+      if (explain_.explain(cpu_.rays, cpu_.candidates) == 0) break;
+    }
+    explain_.settle(cpu_.rays);
+  }
+  bool device_particles() { return device_.find_particles(kLeast, kRounds, other_particles_); }
   bool device_lit() { return device_.find_lit_pixels(image_, other_.lit, other_.found); }
   bool device_rays() { return device_.find_rays(lit(), other_.rays, other_.refused); }
   bool device_candidates(std::uint16_t least) {
@@ -110,8 +138,11 @@ class Trial {
   const ImageView image_;
   const DarkLimit limit_;
   Side cpu_{plan_}, other_{plan_};
+  std::size_t used_ = 0;  // lit pixels whose rays are taken
   RayCounter counter_;
   CoarseMaxima maxima_;
+  ExplainAway explain_;
+  DeviceParticles other_particles_;
   std::vector<std::uint8_t> taken_;
 };
 

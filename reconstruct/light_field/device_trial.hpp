@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The trial of a light-field device: from an image to its candidates, one round.
+// The trial of a light-field device: from an image to its particles.
 #pragma once
 
 #include "reconstruct/device_trial.hpp"

@@ -9,8 +9,6 @@
 namespace rptv {
 
 namespace {
-constexpr double kClaimWider = 1.2;  // a particle also takes the crumbs just outside its gate, else they make ghosts
-constexpr int kSettlePasses = 3;
 constexpr std::size_t kFitBlock = 16;
 }  // namespace
 
@@ -31,11 +29,6 @@ void ExplainAway::begin(const Rays& rays) noexcept {
   particles_.clear();
   refused_ = 0;
   std::fill_n(taken_.begin(), rays.size, std::uint8_t{0});
-}
-
-bool ExplainAway::acceptable(const FittedParticle& particle) const noexcept {
-  return particle.support >= options_.fit.min_support && particle.at.z >= options_.lowest_z_mm &&
-         particle.at.z <= options_.highest_z_mm;
 }
 
 void ExplainAway::queue_up(std::span<const Candidate> candidates) noexcept {
@@ -154,8 +147,7 @@ void ExplainAway::settle(const Rays& rays) noexcept {
     fit_owned(rays, pass + 1 < kSettlePasses ? FitFor::place : FitFor::result);
     drop_weak();
   }
-  std::sort(particles_.begin(), particles_.end(),
-            [](const FittedParticle& a, const FittedParticle& b) { return a.support > b.support; });
+  std::sort(particles_.begin(), particles_.end(), by_support);
 }
 
 }  // namespace rptv

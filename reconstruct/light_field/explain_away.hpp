@@ -6,16 +6,14 @@
 #include <span>
 #include <vector>
 
+#include "reconstruct/light_field/explain_away_kernel.hpp"
 #include "reconstruct/light_field/particle_fit.hpp"
 #include "reconstruct/light_field/voxel_cloud.hpp"
 
 namespace rptv {
 
-struct ExplainOptions {
-  FitOptions fit;
-  bool claim = true;       ///< false: candidates share rays; those that come to the same point are one
-  double lowest_z_mm = 0;  ///< particles outside are refused
-  double highest_z_mm = 0;
+struct ExplainOptions : ExplainLimits {
+  bool claim = true;  ///< false: candidates share rays; those that come to the same point are one
   std::size_t max_particles = 4096;
   std::size_t max_candidates = 4096;
   std::size_t max_rays = 1 << 18;
@@ -49,7 +47,9 @@ class ExplainAway {
                                                         : number > other.number;
     }
   };
-  bool acceptable(const FittedParticle& particle) const noexcept;
+  bool acceptable(const FittedParticle& particle) const noexcept {
+    return options_.accept(particle.support, particle.at.z);
+  }
   void queue_up(std::span<const Candidate> candidates) noexcept;
   bool improve(const Rays& rays, Tentative& candidate) noexcept;
   bool accept(const Rays& rays, const FittedParticle& particle) noexcept;

@@ -33,6 +33,8 @@ struct LightField::Stages {
          const MakeLightFieldDevice& make_device);
 
   void find_particles(std::size_t lit_pixels) noexcept;
+  void explain() noexcept;
+  void append(std::span<const FittedParticle> found) noexcept;
   std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
   void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
   void find_overlapping(const ImageView& image) noexcept;
@@ -52,8 +54,10 @@ struct LightField::Stages {
 
   std::vector<std::uint32_t> lit;
   Rays rays;
+  const ExplainOptions explain_options;
   CandidateSearch search;
   ExplainAway explain_away;
+  DeviceParticles by_device;
   std::unique_ptr<Shake> shake;               // with settings.refine
   std::unique_ptr<DenseSearch> dense_search;  // with settings.refine_search = "grey_values"
   std::vector<FittedParticle> particles;
@@ -74,15 +78,16 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
       in_object_space(s.space == "object"),
       lit(static_cast<std::size_t>(s.max_rays)),
       rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
+      explain_options(make_explain_options(s, calibration, grid, min_count)),
       search(s,
-             {shape, lattice, pixels_to_rays, grid, rays.capacity(), 4 * static_cast<std::size_t>(s.max_particles),
-              thread_count(s.threads)},
+             {shape, lattice, pixels_to_rays, grid, window, explain_options, rays.capacity(),
+              explain_options.max_candidates, explain_options.threads},
              min_count, make_device),
-      explain_away(window, make_explain_options(s, calibration, grid, min_count)) {
+      explain_away(window, explain_options) {
+  by_device.found.reserve(explain_options.max_particles);
   particles.reserve(static_cast<std::size_t>(s.max_particles));
   if (!s.refine) return;
-  const ShakeOptions options =
-      make_shake_options(s, calibration, make_explain_options(s, calibration, grid, min_count));
+  const ShakeOptions options = make_shake_options(s, calibration, explain_options);
   shake = std::make_unique<Shake>(calibration, lattice, options);
   if (s.refine_search == "grey_values") dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
 }
@@ -90,6 +95,17 @@ LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibrat
 // Appends what the first `lit_pixels` of `lit` show.
 void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
   counts.refused_pixels += search.find_rays({lit.data(), lit_pixels}, rays);
+  by_device.sure = true;
+  if (!search.find_particles(rays, by_device)) {
+    counts.device_unsure += by_device.sure ? 0 : 1;
+    return explain();
+  }
+  counts.candidates += by_device.candidates, counts.refused_candidates += by_device.refused_candidates;
+  counts.rounds += by_device.rounds;
+  append(by_device.found);
+}
+
+void LightField::Stages::explain() noexcept {
   explain_away.begin(rays);
   for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
     const auto candidates = search.find(rays, explain_away.taken(), round == 0);
@@ -99,12 +115,13 @@ void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
   }
   explain_away.settle(rays);
   counts.refused_particles += explain_away.refused();
-  for (const auto& found : explain_away.particles()) {
-    if (particles.size() == particles.capacity())
-      ++counts.refused_particles;
-    else
-      particles.push_back(found);
-  }
+  append(explain_away.particles());
+}
+
+void LightField::Stages::append(std::span<const FittedParticle> found) noexcept {
+  const std::size_t kept = std::min(found.size(), particles.capacity() - particles.size());
+  counts.refused_particles += found.size() - kept;
+  for (const auto& particle : found.first(kept)) particles.push_back(particle);
 }
 
 // Those lit pixels that particles leave above the threshold, and well above the shot noise of what they do explain.
@@ -128,8 +145,7 @@ void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) 
     if (particles.size() == known) break;
     particles.resize(shake->refine(particles, known));
   }
-  std::sort(particles.begin(), particles.end(),
-            [](const FittedParticle& a, const FittedParticle& b) { return a.support > b.support; });
+  std::sort(particles.begin(), particles.end(), by_support);
 }
 
 // Rays only show how bright a particle is.

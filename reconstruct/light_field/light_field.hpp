@@ -23,6 +23,7 @@ struct LightFieldCounts {
   std::uint64_t refused_candidates = 0;  ///< voxels beyond max_candidates, or candidates beyond their room
   std::uint64_t refused_particles = 0;   ///< beyond max_particles
   std::uint64_t rough_covariances = 0;   ///< of particles whose neighbours were too many to take all in
+  std::uint64_t device_unsure = 0;       ///< times that the CPU explained rays since the device could not be sure
   bool device_failed = false;            ///< the CPU has done its work since
   std::size_t lit_pixels = 0, rays = 0, candidates = 0, rounds = 0;  ///< of the last frame
 };

@@ -55,7 +55,8 @@ LightFieldCuda::LightFieldCuda(const LightFieldDevicePlan& plan)
             sizes_.data() + kRays, sizes_.data() + kPixels, u32(plan.max_rays), u32(plan.lattice.size())},
       ray_count_{voxel_rays_.data(), chunks_.data(), counts_.data()},
       candidates_{candidate_.data(), sizes_.data() + kCandidates, u32(plan.max_candidates), smooth_.data(),
-                  highest_.data(),   voxel_runs_.data()} {
+                  highest_.data(),   voxel_runs_.data()},
+      explainer_(plan, rays_, candidates_) {
   std::vector<float> centres;
   for (std::uint32_t l = 0; l < plan.lattice.size(); ++l)
     for (const float at : plan.lattice.centre_mm(l)) centres.push_back(at);
@@ -104,11 +105,11 @@ bool LightFieldCuda::find_rays(std::span<const std::uint32_t> lit, Rays& rays, s
       !stream_.download(&found_[kRays], rays_.size, 2 * sizeof(std::uint32_t)) || !stream_.synchronize())
     return false;
   refused = lit.size() - found_[kPixels];
-  return download_rays(rays);
+  rays.size = found_[kRays], rays.pixels = found_[kPixels];
+  return true;
 }
 
-bool LightFieldCuda::download_rays(Rays& rays) noexcept {
-  rays.size = found_[kRays], rays.pixels = found_[kPixels];
+bool LightFieldCuda::read_rays(Rays& rays) noexcept {
   auto& first = rays.first_of_lenslet;
   return stream_.download(rays.ray.data(), ray_.data(), rays.size * sizeof(Ray)) &&
          stream_.download(rays.pixel.data(), pixel_.data(), rays.size * sizeof(std::uint32_t)) &&
@@ -117,13 +118,35 @@ bool LightFieldCuda::download_rays(Rays& rays) noexcept {
          stream_.synchronize();
 }
 
+// Candidates among the rays that are not `taken`, and their number into `found_`.
+bool LightFieldCuda::queue_candidates(const std::uint8_t* taken, std::uint16_t least) noexcept {
+  return count_rays_cuda(grid_, rays_, taken, ray_count_, stream_.handle()) &&
+         find_coarse_maxima_cuda(grid_, counts_.data(), least, candidates_, stream_.handle()) &&
+         stream_.download(&found_[kCandidates], candidates_.size, sizeof(std::uint32_t));
+}
+
+bool LightFieldCuda::find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept {
+  particles.rounds = particles.candidates = particles.refused_candidates = 0;
+  if (!explainer_.begin(stream_)) return false;
+  while (particles.rounds < rounds) {
+    if (!explainer_.begin_round(stream_) || !queue_candidates(explainer_.taken(), least) ||
+        !explainer_.explain(stream_))
+      return false;
+    const std::size_t kept = std::min<std::size_t>(found_[kCandidates], candidate_.size());
+    particles.candidates += kept, particles.refused_candidates += found_[kCandidates] - kept;
+    ++particles.rounds;
+    if (explainer_.accepted() == 0 || !explainer_.sure()) break;
+  }
+  const bool done = explainer_.settle(stream_, particles.found);
+  particles.sure = explainer_.sure();
+  return done;
+}
+
 bool LightFieldCuda::find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least,
                                      std::vector<Candidate>& candidates, std::size_t& refused) noexcept {
   const std::size_t rays = found_[kRays], room = std::min(candidates.capacity(), candidate_.size());
   if (taken.size() < rays || !stream_.upload(taken_.data(), taken.data(), rays) ||
-      !count_rays_cuda(grid_, rays_, taken_.data(), ray_count_, stream_.handle()) ||
-      !find_coarse_maxima_cuda(grid_, counts_.data(), least, candidates_, stream_.handle()) ||
-      !stream_.download(&found_[kCandidates], candidates_.size, sizeof(std::uint32_t)) || !stream_.synchronize())
+      !queue_candidates(taken_.data(), least) || !stream_.synchronize())
     return false;
   const std::size_t kept = std::min<std::size_t>(found_[kCandidates], room);
   refused = found_[kCandidates] - kept;

@@ -7,6 +7,7 @@
 #include "reconstruct/cuda_memory.hpp"
 #include "reconstruct/cuda_page_lock.hpp"
 #include "reconstruct/light_field/coarse_maxima_cuda.hpp"
+#include "reconstruct/light_field/explainer_cuda.hpp"
 #include "reconstruct/light_field/light_field_device.hpp"
 #include "reconstruct/light_field/pixels_to_rays_cuda.hpp"
 #include "reconstruct/light_field/ray_count_cuda.hpp"
@@ -23,11 +24,13 @@ class LightFieldCuda final : public LightFieldDevice {
   bool set_limit(const DarkLimit& limit) noexcept override;
   bool find_lit_pixels(const ImageView& image, std::span<std::uint32_t> lit, std::size_t& found) noexcept override;
   bool find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept override;
+  bool read_rays(Rays& rays) noexcept override;
+  bool find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept override;
   bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least, std::vector<Candidate>& candidates,
                        std::size_t& refused) noexcept override;
 
  private:
-  bool download_rays(Rays& rays) noexcept;
+  bool queue_candidates(const std::uint8_t* taken, std::uint16_t least) noexcept;
 
   const VoxelGrid grid_;
   CudaStream stream_;
@@ -55,6 +58,7 @@ class LightFieldCuda final : public LightFieldDevice {
   const CudaRays rays_;
   const CudaRayCount ray_count_;
   const CudaCandidates candidates_;
+  ExplainerCuda explainer_;
   bool uniform_limit_ = true;
   std::vector<CudaPageLock> page_locks_;
 };

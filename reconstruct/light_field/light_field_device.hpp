@@ -9,13 +9,21 @@
 #include <vector>
 
 #include "core/image.hpp"
+#include "reconstruct/light_field/explain_away.hpp"
 #include "reconstruct/light_field/pixels_to_rays.hpp"
 #include "reconstruct/light_field/voxel_cloud.hpp"
 #include "reconstruct/lit_pixels.hpp"
 
 namespace rptv {
 
-/// The first steps of LightField on another processor, with the same results bit for bit. Set-up takes all memory. One
+/// All particles of a set of rays, and how they were found.
+struct DeviceParticles {
+  std::vector<FittedParticle> found;  ///< of ExplainOptions::max_particles, which are reserved
+  bool sure = false;                  ///< false: `found` is empty, and the CPU has to explain the rays
+  std::size_t rounds = 0, candidates = 0, refused_candidates = 0;  ///< in all rounds
+};
+
+/// The steps of LightField on another processor, with the same results bit for bit. Set-up takes all memory. One
 /// thread calls; every call returns when it is done, and is false when the device fails: LightField then goes on with
 /// the CPU and does not ask again.
 class LightFieldDevice {
@@ -28,8 +36,13 @@ class LightFieldDevice {
   virtual bool set_limit(const DarkLimit& limit) noexcept = 0;
   /// find_lit_pixels() with those limits; `found` becomes what it returns.
   virtual bool find_lit_pixels(const ImageView& image, std::span<std::uint32_t> lit, std::size_t& found) noexcept = 0;
-  /// PixelsToRays::convert(); `refused` becomes what it returns. `lit` is what find_lit_pixels() gave, or part of it.
+  /// PixelsToRays::convert(), for the steps below; `refused` becomes what it returns, and only `size` and `pixels` of
+  /// `rays` are set. `lit` is what find_lit_pixels() gave, or part of it.
   virtual bool find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept = 0;
+  /// The rest of `rays`.
+  virtual bool read_rays(Rays& rays) noexcept = 0;
+  /// Up to `rounds` of candidates (as find_candidates()) and ExplainAway::explain(), then settle().
+  virtual bool find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept = 0;
   /// RayCounter::count() with the rays of the last find_rays(), and CoarseMaxima::find(); `refused` becomes what it
   /// returns. `taken` has a value for each ray.
   virtual bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least,
@@ -42,6 +55,8 @@ struct LightFieldDevicePlan {
   const LensletLattice& lattice;
   const PixelsToRays& pixels_to_rays;
   const VoxelGrid& grid;
+  const RayWindow& window;
+  const ExplainOptions& explain;
   std::size_t max_rays, max_candidates;
   std::size_t threads;  ///< that the CPU would take
 };

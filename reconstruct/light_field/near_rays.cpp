@@ -2,19 +2,11 @@
 // Which rays pass near a point: loops for any processor, and the choice among all.
 #include "reconstruct/light_field/near_rays.hpp"
 
-#include <cmath>
-
 #include "reconstruct/light_field/near_rays_loops.hpp"
 
 namespace rptv {
 
 namespace {
-
-float distance_mm(const Ray& ray, const RaySearch& s) noexcept {
-  const float r_x = ray.centre_x + ray.slope_x * s.z - s.x, r_y = ray.centre_y + ray.slope_y * s.z - s.y;
-  const float along = std::abs(s.cosine * r_x + s.sine * r_y), across = std::abs(s.cosine * r_y - s.sine * r_x);
-  return along > across ? along : across;
-}
 
 // Both write a ray whether it is near or not, which cannot be predicted, and count it only if it is.
 std::size_t find(const Ray* rays, std::size_t first, std::size_t last, const RaySearch& s, NearList near) noexcept {
@@ -48,11 +40,6 @@ const NearRayLoops& loops_for(InstructionSet set) noexcept {
 #endif
   static_cast<void>(set);
   return kNearRayLoopsPlain;
-}
-
-RaySearch search_of(const RayGate& gate, const ImagePoint& at, double reach_mm) noexcept {
-  const auto single = [](double value) { return static_cast<float>(value); };
-  return {single(at.x), single(at.y), single(at.z), single(gate.cosine), single(gate.sine), single(reach_mm)};
 }
 
 }  // namespace

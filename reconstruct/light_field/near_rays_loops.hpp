@@ -3,13 +3,9 @@
 #pragma once
 
 #include "reconstruct/light_field/near_rays.hpp"
+#include "reconstruct/light_field/near_rays_kernel.hpp"
 
 namespace rptv {
-
-/// A point, the gate's turn and a reach, in single precision.
-struct RaySearch {
-  float x, y, z, cosine, sine, reach;
-};
 
 /// One set of loops; all sets give the same. Arguments as those of NearRays.
 struct NearRayLoops {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "reconstruct/light_field/fit_covariance_kernel.hpp"
 #include "reconstruct/light_field/near_rays.hpp"
+#include "reconstruct/light_field/particle_fit_kernel.hpp"
 #include "reconstruct/light_field/ray_sums.hpp"
 
 namespace rptv {
@@ -28,17 +28,8 @@ struct FittedParticle {
   double chi_square = 0;   ///< per pixel of its image; about 1 where the model and the noise are right
 };
 
-struct FitOptions {
-  RayGate gate;
-  double start_margin_mm = 0;  ///< how far aside of the candidate the particle may be
-  double start_depth_mm = 0;   ///< how far before or behind it
-  double slope_variance = 0;   ///< see solve()
-  double pitch_mm = 0;
-  double min_support = 3;
-};
-
-/// What a fit is for: to find a place, or to end there, with residual and covariance.
-enum class FitFor : std::uint8_t { place, result };
+/// Strong particles first.
+inline bool by_support(const FittedParticle& a, const FittedParticle& b) noexcept { return a.support > b.support; }
 
 /// One workspace per thread; nothing allocates after construction. Rays are read, never changed.
 class ParticleFit {
@@ -63,11 +54,19 @@ class ParticleFit {
   const FitOptions& options() const noexcept { return options_; }
 
  private:
-  RaySums sum_within(const ImagePoint& at, double half_width_mm) const noexcept {
-    return sum_rays(near_, options_.gate, at, half_width_mm);
-  }
-  FittedParticle finish(const ImagePoint& at, FitFor purpose) const noexcept;
-  FitCovariance covariance_at(const FittedParticle& found, const RaySums& sums, const RayFit& step) const noexcept;
+  /// The rays that are fitted, for particle_fit_kernel.hpp.
+  struct Gathered {
+    const NearRays& search;
+    const RayGate& gate;
+    RayColumns& columns;
+    RaySums sum(const ImagePoint& at, double half_width_mm) const noexcept {
+      return sum_rays(columns, gate, at, half_width_mm);
+    }
+    void keep(const ImagePoint& at, double reach_mm) noexcept { search.keep(gate, at, reach_mm, columns); }
+    Ray ray(std::size_t i) const noexcept { return columns[i]; }
+  };
+  Gathered gathered() noexcept { return {search_, options_.gate, near_}; }
+  FittedParticle finish(const ImagePoint& at, FitFor purpose) noexcept;
 
   const double slope_half_range_;
   const FitOptions options_;

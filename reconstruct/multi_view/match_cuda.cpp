@@ -11,7 +11,7 @@ namespace {
 class MatchCuda final : public MatchDevice {
  public:
   explicit MatchCuda(const MatchDevicePlan& plan)
-      : rig_(plan.rays, plan.volume, matching_of(plan.settings)), stream_(rig_) {}
+      : rig_(plan.rays, plan.volume, matching_of(plan.settings, 1)), stream_(rig_) {}
 
   bool match(std::span<const Detections> seen, std::span<const ViewMatch>& matches,
              CorrespondenceCounts& counts) noexcept override {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "reconstruct/detection/detector.hpp"
 #include "reconstruct/multi_view/chance_of_match.hpp"
@@ -20,7 +21,8 @@ struct MultiView::Stages {
         gate(cameras, static_cast<std::size_t>(s.min_views)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
-        correspondence(rays, volume, matching_of(s)),
+        threads(std::min(thread_count(s.threads), cameras.size())),
+        correspondence(rays, volume, matching_of(s, threads)),
         ghosts(rays.size(), static_cast<std::size_t>(s.detector.max_detections),
                static_cast<std::size_t>(s.max_matches), ghosts_of(s, s.tolerance_px)) {
     for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -30,8 +32,11 @@ struct MultiView::Stages {
     chosen.reserve(static_cast<std::size_t>(s.max_matches));
     partial.reserve(static_cast<std::size_t>(s.max_matches));
     particles.reserve(static_cast<std::size_t>(s.max_matches));
+    order.reserve(static_cast<std::size_t>(s.max_matches));
   }
 
+  void look(std::span<const Detections> lists) noexcept;
+  void particles_of(std::span<const Detections> lists, Particles& out) noexcept;
   /// Lists and chooses matches; gives the views that their numbers are of.
   std::span<const SeenView> match(std::span<const Detections> lists) noexcept;
   void choose(std::span<const ViewMatch> listed) noexcept;
@@ -46,6 +51,7 @@ struct MultiView::Stages {
   const FrameGate gate;
   const Volume volume;
   const std::vector<ViewRays> rays;
+  const std::size_t threads;  // of every parallel loop: OpenMP would end and begin threads where the number changes
   std::vector<Detector> detectors;
   std::unique_ptr<DetectDevice> device;  // until one of them fails
   std::unique_ptr<MatchDevice> matcher;
@@ -58,13 +64,16 @@ struct MultiView::Stages {
   CorrespondenceCounts matching, by_device;
   std::vector<ViewTuple> partial;
   std::vector<Particle> particles;
+  std::vector<std::uint32_t> order;
   MultiViewCounts counts;
   ViewObserver* observer = nullptr;
 };
 
 std::span<const SeenView> MultiView::Stages::match(std::span<const Detections> lists) noexcept {
+  const bool looked = matcher == nullptr;
   if (match_on_device(lists)) return matcher->views();
-  choose(correspondence.match(lists));
+  if (!looked) look(lists);
+  choose(correspondence.match());
   matches = correspondence.all();
   matching = correspondence.counts();
   matching.unusable_detections += by_device.unusable_detections;
@@ -106,17 +115,23 @@ void MultiView::Stages::choose(std::span<const ViewMatch> listed) noexcept {
 
 void MultiView::Stages::write(std::span<const SeenView> views, std::span<const Detections> lists,
                               Particles& out) noexcept {
+  constexpr std::size_t kPart = 64;
   const ChanceOfMatch chance(views, matching, settings.tolerance_px);
-  particles.clear();
-  for (const std::uint32_t m : chosen) {
-    particles.push_back(fit_views(views, lists, matches[m], settings.calibration_px));
-    particles.back().ghost = chance.of(matches[m]);
-  }
-  std::sort(particles.begin(), particles.end(), [](const Particle& a, const Particle& b) {
-    return a.support != b.support ? a.support > b.support : a.residual_mm < b.residual_mm;
+  particles.resize(chosen.size()), order.resize(chosen.size());
+  parallel_for((chosen.size() + kPart - 1) / kPart, threads, [&](std::size_t part, std::size_t) {
+    for (std::size_t i = part * kPart; i < std::min((part + 1) * kPart, chosen.size()); ++i) {
+      particles[i] = fit_views(views, lists, matches[chosen[i]], settings.calibration_px);
+      particles[i].ghost = chance.of(matches[chosen[i]]);
+    }
+  });
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [this](std::uint32_t i, std::uint32_t k) {
+    const Particle &a = particles[i], &b = particles[k];
+    return std::tuple(-a.support, a.residual_mm, i) < std::tuple(-b.support, b.residual_mm, k);
   });
   const Point3 centre = volume.centre();
-  for (Particle& particle : particles) {
+  for (const std::uint32_t i : order) {
+    Particle& particle = particles[i];
     particle.x_mm += centre[0], particle.y_mm += centre[1], particle.z_mm += centre[2];
     out.push(particle);
   }
@@ -165,7 +180,7 @@ MultiView::~MultiView() = default;
 std::span<const Detections> MultiView::detections() const noexcept { return stages_->seen; }
 const MultiViewCounts& MultiView::counts() const noexcept { return stages_->counts; }
 const std::vector<ViewRays>& MultiView::rays() const noexcept { return stages_->rays; }
-void MultiView::show_to(ViewObserver& observer) noexcept { stages_->observer = &observer; }
+void MultiView::show_to(ViewObserver* observer) noexcept { stages_->observer = observer; }
 const Volume& MultiView::volume() const noexcept { return stages_->volume; }
 const CorrespondenceCounts& MultiView::correspondence_counts() const noexcept { return stages_->matching; }
 
@@ -175,24 +190,37 @@ void MultiView::reconstruct(const FrameSet& frames, Particles& out) noexcept {
   for (Detections& seen : s.seen) seen.clear();
   if (s.gate.admit(frames, s.counts) == 0) return s.tell(losses_);
   const bool by_device = s.detect_on_device(frames);
-  const std::size_t threads = std::min(thread_count(s.settings.threads), s.detectors.size());
-  parallel_for(s.detectors.size(), threads, [&](std::size_t camera, std::size_t) {
+  parallel_for(s.detectors.size(), s.threads, [&](std::size_t camera, std::size_t) {
     if (!by_device && s.gate.usable(frames.frames[camera], camera))
       s.detectors[camera].detect(frames.frames[camera].view(), s.seen[camera]);
+    if (!s.matcher) s.correspondence.look(camera, s.seen[camera]);
   });
   for (const Detections& seen : s.seen) s.counts.refused_detections += seen.overflow();
-  reconstruct(s.seen, out);
+  s.particles_of(s.seen, out);
+  if (s.counts.device_failed) count_set_without_device();
+  s.tell(losses_);
 }
 
 void MultiView::reconstruct(std::span<const Detections> seen, Particles& out) noexcept {
   auto& s = *stages_;
   out.clear();
-  const std::span<const SeenView> views = s.match(seen);
-  s.write(views, seen, out);
-  ++s.counts.frames;
+  if (!s.matcher) s.look(seen);
+  s.particles_of(seen, out);
   if (s.counts.device_failed) count_set_without_device();
-  if (s.observer != nullptr) s.observer->see(seen);
   s.tell(losses_);
+}
+
+void MultiView::Stages::look(std::span<const Detections> lists) noexcept {
+  parallel_for(lists.size(), threads,
+               [&](std::size_t camera, std::size_t) { correspondence.look(camera, lists[camera]); });
+}
+
+/// Of lists that correspondence has looked at, unless there is a matcher.
+void MultiView::Stages::particles_of(std::span<const Detections> lists, Particles& out) noexcept {
+  const std::span<const SeenView> views = match(lists);
+  write(views, lists, out);
+  ++counts.frames;
+  if (observer != nullptr) observer->see(lists);
 }
 
 }  // namespace rptv

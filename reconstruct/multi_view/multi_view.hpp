@@ -25,7 +25,7 @@ struct MultiViewCounts : FrameSetCounts {
 
 /// The seed's first instrument, eq. (3)-(4), for any subset of at least min_views cameras. Set-up takes all memory.
 /// Particles are in the rig's frame; support is the number of views, ghost an estimate from the density of detections.
-class MultiView final : public Reconstructor {
+class MultiView final : public Reconstructor, public ObservableViews {
  public:
   /// `cameras`: the source's, in its order; each must be in the rig by name. `settings.rig` stands for the rig in
   /// messages and is not read here. `make_detect`, `make_match`: the devices that detect and match, if
@@ -38,17 +38,14 @@ class MultiView final : public Reconstructor {
   /// The same from one list of detections per camera, in the order of `cameras`.
   void reconstruct(std::span<const Detections> seen, Particles& out) noexcept;
 
-  /// Shows it the detections of every frame set from now on; it outlives this. Set-up only.
-  void show_to(ViewObserver& observer) noexcept;
+  void show_to(ViewObserver* observer) noexcept override;
 
   /// The last frame's detections, one list per camera.
   std::span<const Detections> detections() const noexcept;
   const MultiViewCounts& counts() const noexcept;
   const CorrespondenceCounts& correspondence_counts() const noexcept;
-  /// What is searched for particles, rig's frame.
-  const Volume& volume() const noexcept;
-  /// Of every camera, in that volume.
-  const std::vector<ViewRays>& rays() const noexcept;
+  const Volume& volume() const noexcept override;
+  const std::vector<ViewRays>& rays() const noexcept override;
 
  private:
   struct Stages;

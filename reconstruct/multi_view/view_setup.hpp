@@ -31,8 +31,8 @@ Rig choose_cameras(const MultiViewSettings& settings, const Rig& rig, std::span<
 /// Error(configuration).
 Volume choose_volume(const MultiViewSettings& settings, const Rig& rig);
 
-/// How particle images are matched at first.
-CorrespondenceOptions matching_of(const MultiViewSettings& settings);
+/// How particle images are matched at first, by so many threads.
+CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t threads);
 
 /// How particles are chosen among matches that agree within `tolerance_px`.
 GhostOptions ghosts_of(const MultiViewSettings& settings, double tolerance_px);

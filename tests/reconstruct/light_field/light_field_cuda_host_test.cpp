@@ -60,6 +60,7 @@ LightFieldCounts expect_same_over_frames(const LightFieldSettings& settings, con
     EXPECT_EQ(device.counts().refused_pixels, cpu.counts().refused_pixels);
     EXPECT_EQ(device.counts().refused_candidates, cpu.counts().refused_candidates);
     EXPECT_FALSE(device.counts().device_failed);
+    EXPECT_EQ(device.counts().rounds, cpu.counts().rounds);
   }
   EXPECT_EQ(cuda_host::device_bytes_in_use(), bytes);  // nothing per frame
   return device.counts();
@@ -111,7 +112,17 @@ TEST(LightFieldCuda, reads_frames_out_of_page_locked_memory_and_gives_it_back) {
 /// The real device behind a fault of one step.
 class FaultyDevice final : public LightFieldDevice {
  public:
-  enum class Fault { fails_at_lit, fails_at_rays, fails_at_candidates, loses_a_candidate, moves_a_ray };
+  enum class Fault {
+    fails_at_lit,
+    fails_at_rays,
+    fails_at_reading,
+    fails_at_candidates,
+    fails_at_particles,
+    loses_a_candidate,
+    moves_a_ray,
+    moves_a_particle,
+    is_never_sure
+  };
   FaultyDevice(const LightFieldDevicePlan& plan, Fault fault) : device_(plan), fault_(fault) {}
 
   bool page_lock(std::span<std::byte> memory) noexcept override { return device_.page_lock(memory); }
@@ -120,8 +131,19 @@ class FaultyDevice final : public LightFieldDevice {
     return fault_ != Fault::fails_at_lit && device_.find_lit_pixels(image, lit, found);
   }
   bool find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept override {
-    const bool done = fault_ != Fault::fails_at_rays && device_.find_rays(lit, rays, refused);
+    return fault_ != Fault::fails_at_rays && device_.find_rays(lit, rays, refused);
+  }
+  bool read_rays(Rays& rays) noexcept override {
+    const bool done = fault_ != Fault::fails_at_reading && device_.read_rays(rays);
     if (fault_ == Fault::moves_a_ray) rays.ray[rays.size / 2].slope_x += 1e-7F;
+    return done;
+  }
+  // A device that fails at other steps after the rays is one that was unsure here.
+  bool find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept override {
+    const bool done = fault_ != Fault::fails_at_particles && device_.find_particles(least, rounds, particles);
+    if (fault_ == Fault::fails_at_reading || fault_ == Fault::fails_at_candidates || fault_ == Fault::is_never_sure)
+      particles.sure = false;
+    if (fault_ == Fault::moves_a_particle && !particles.found.empty()) particles.found.back().at.z += 1e-9;
     return done;
   }
   bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least, std::vector<Candidate>& candidates,
@@ -142,7 +164,8 @@ TEST(LightFieldDevice, that_fails_is_replaced_by_the_cpu_at_any_step) {
   const PaintedImage image = paint(scene(4));
   LightField cpu(small_settings(), small_camera(), {});
   const Particles expected = find(cpu, image.view());
-  for (const Fault fault : {Fault::fails_at_lit, Fault::fails_at_rays, Fault::fails_at_candidates}) {
+  for (const Fault fault : {Fault::fails_at_lit, Fault::fails_at_rays, Fault::fails_at_particles,
+                            Fault::fails_at_reading, Fault::fails_at_candidates}) {
     LightField light_field(small_settings(), small_camera(), {}, [&](const LightFieldDevicePlan& plan) {
       return std::make_unique<FaultyDevice>(plan, fault);
     });
@@ -158,13 +181,32 @@ struct SmallPlan {
   LensletLattice lattice{camera};
   PixelsToRays pixels_to_rays{camera, lattice, 1};
   VoxelGrid grid;
-  LightFieldDevicePlan plan{shape, lattice, pixels_to_rays, grid, 5000, 400, 1};
+  RayWindow window{lattice, 1 / camera.lens.exit_pupil_mm, pixels_to_rays.slope_half_range()};
+  ExplainOptions explain;
+  LightFieldDevicePlan plan{shape, lattice, pixels_to_rays, grid, window, explain, 5000, 400, 1};
   SmallPlan() {
     grid.size_x = 15, grid.size_y = 11, grid.planes = 5;
     grid.step_x_mm = grid.step_y_mm = 0.125F, grid.step_z_mm = 8;
     grid.first_x_mm = -0.9F, grid.first_y_mm = -0.6F, grid.first_z_mm = -16;
+    explain.fit.gate = {lattice.rotation_cosine(), lattice.rotation_sine(), 0.1, 0};
+    explain.fit.start_margin_mm = 0.09, explain.fit.start_depth_mm = 8, explain.fit.pitch_mm = 0.125;
+    explain.lowest_z_mm = -24, explain.highest_z_mm = 24;
+    explain.max_particles = 100, explain.max_candidates = 400, explain.max_rays = 5000;
   }
 };
+
+TEST(LightFieldDevice, that_is_unsure_leaves_particles_to_the_cpu_and_is_asked_again) {
+  const PaintedImage image = paint(scene(4));
+  LightField cpu(small_settings(), small_camera(), {});
+  LightField light_field(small_settings(), small_camera(), {}, [](const LightFieldDevicePlan& plan) {
+    return std::make_unique<FaultyDevice>(plan, FaultyDevice::Fault::is_never_sure);
+  });
+  for (std::uint64_t frame = 1; frame <= 2; ++frame) {
+    expect_same(find(light_field, image.view()), find(cpu, image.view()));
+    EXPECT_EQ(light_field.counts().device_unsure, frame);
+  }
+  EXPECT_FALSE(light_field.counts().device_failed);
+}
 
 TEST(LightFieldDevice, that_repeats_the_cpu_is_trusted) {
   const SmallPlan small;
@@ -184,9 +226,13 @@ TEST(LightFieldDevice, that_differs_in_one_place_is_not_trusted) {
   };
   EXPECT_EQ(check(Fault::fails_at_lit), "it fails at the threshold");
   EXPECT_EQ(check(Fault::fails_at_rays), "it fails at the rays");
+  EXPECT_EQ(check(Fault::fails_at_reading), "it fails at the rays");
   EXPECT_EQ(check(Fault::fails_at_candidates), "it fails at the candidates");
+  EXPECT_EQ(check(Fault::fails_at_particles), "it fails at the particles");
   EXPECT_EQ(check(Fault::moves_a_ray), "it finds other rays");
   EXPECT_EQ(check(Fault::loses_a_candidate), "it finds other candidates");
+  EXPECT_EQ(check(Fault::moves_a_particle), "it finds other particles");
+  EXPECT_EQ(check(Fault::is_never_sure), "it is unsure of all particles");
 }
 
 }  // namespace

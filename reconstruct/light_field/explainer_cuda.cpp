@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Turns are queued several at a time, since asking how many wait takes longer than a few that find nobody.
+#include "reconstruct/light_field/explainer_cuda.hpp"
+
+#include <algorithm>
+
+#include "reconstruct/cuda_scan.hpp"
+
+namespace rptv {
+
+namespace {
+
+constexpr std::uint32_t kMostWarps = 1024, kMostNear = 4096;
+constexpr int kTurnsAtOnce = 8;
+
+std::uint32_t u32(std::size_t value) noexcept { return static_cast<std::uint32_t>(value); }
+
+std::uint32_t warps_for(const LightFieldDevicePlan& plan) {
+  return u32(std::clamp<std::size_t>(plan.max_candidates, 1, kMostWarps));
+}
+std::uint32_t near_for(const LightFieldDevicePlan& plan) {
+  return u32(std::min<std::size_t>(plan.max_rays, kMostNear));
+}
+
+}  // namespace
+
+ExplainerCuda::ExplainerCuda(const LightFieldDevicePlan& plan, const CudaRays& rays, const CudaCandidates& candidates)
+    : at_(plan.max_candidates),
+      support_(plan.max_candidates),
+      state_(plan.max_candidates),
+      accepted_(plan.max_candidates),
+      near_(std::size_t{warps_for(plan)} * near_for(plan)),
+      weak_(plan.explain.max_particles),
+      runs_(compact_runs(plan.explain.max_particles)),
+      turn_(plan.max_candidates),
+      taken_at_(plan.max_rays),
+      used_at_(plan.max_rays),
+      next_(plan.max_rays),
+      taken_(plan.max_rays),
+      particle_(plan.explain.max_particles),
+      settled_(plan.explain.max_particles),
+      on_device_(1),
+      explained_(1),
+      particles_(plan.explain.max_particles),
+      explain_{rays,
+               plan.window.kernel(),
+               plan.explain,
+               candidates.candidate,
+               candidates.size,
+               candidates.capacity,
+               u32(plan.explain.max_particles),
+               at_.data(),
+               support_.data(),
+               state_.data(),
+               accepted_.data(),
+               turn_.data(),
+               taken_at_.data(),
+               used_at_.data(),
+               next_.data(),
+               taken_.data(),
+               near_.data(),
+               warps_for(plan),
+               near_for(plan),
+               particle_.data(),
+               settled_.data(),
+               weak_.data(),
+               runs_.data(),
+               on_device_.data()} {
+  explained_[0] = {};
+}
+
+bool ExplainerCuda::explain(CudaStream& stream) noexcept {
+  if (!queue_up_cuda(explain_, stream.handle())) return false;
+  do {
+    for (int turn = 0; turn < kTurnsAtOnce; ++turn)
+      if (!take_turns_cuda(explain_, stream.handle())) return false;
+    if (!stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.synchronize())
+      return false;
+  } while (explained_[0].waiting > 0 && sure());
+  return end_round_cuda(explain_, stream.handle());
+}
+
+bool ExplainerCuda::settle(CudaStream& stream, std::vector<FittedParticle>& found) noexcept {
+  found.clear();
+  if (!settle_cuda(explain_, stream.handle()) ||
+      !stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.synchronize())
+    return false;
+  const std::size_t count = explained_[0].particles;
+  if (!sure()) return true;
+  if (!stream.download(particles_.data(), particle_.data(), count * sizeof(CudaParticle)) || !stream.synchronize())
+    return false;
+  for (std::size_t k = 0; k < count; ++k) {
+    FittedParticle& particle = found.emplace_back();
+    particle.at = particles_[k].at, particle.support = particles_[k].support;
+    particle.residual_mm = particles_[k].residual_mm, particle.covariance = particles_[k].covariance;
+  }
+  std::sort(found.begin(), found.end(), by_support);
+  return true;
+}
+
+}  // namespace rptv
