@@ -7,8 +7,10 @@
 #include <iostream>
 #include <thread>
 
+#include "daemon/commands/bench_cuda.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/config.hpp"
+#include "daemon/each_frame_set.hpp"
 #include "daemon/session.hpp"
 #include "proto/encode.hpp"
 
@@ -18,7 +20,8 @@ namespace {
 struct BenchOptions {
   std::string config;
   std::vector<std::string> set;
-  bool json = false;
+  bool json = false, cuda = false;
+  int rounds = 5;
 };
 
 struct StageTimes {
@@ -49,12 +52,8 @@ BenchRun measure(const Config& config) {
   Result result(max_particles, linker.capacity());
   Encoder encoder(make_session_name(), max_particles, linker.capacity());
   Intake intake(source->cameras(), IntakeOptions{.policy = Lossless{8}});
-  source->start(intake);
   BenchRun run;
-  FrameSet frames;
-  constexpr std::int64_t kPatienceNs = 100'000'000;
-  for (Taken taken; (taken = intake.next(frames, kPatienceNs)) != Taken::closed; frames.reset()) {
-    if (taken == Taken::timeout) continue;
+  for_each_frame_set(*source, intake, [&](const FrameSet& frames) {
     const std::int64_t t0 = host_now_ns();
     reconstructor->reconstruct(frames, result.particles);
     const std::int64_t t1 = host_now_ns();
@@ -69,9 +68,7 @@ BenchRun measure(const Config& config) {
     run.all.histogram.record(t3 - t0);
     run.particles += result.particles.size();
     run.track_points += result.tracks.size();
-  }
-  source->stop();
-  if (const std::string failure = source->failure(); !failure.empty()) throw Error(ExitCode::io, failure);
+  });
   return run;
 }
 
@@ -106,6 +103,7 @@ void print_json(const BenchRun& run) {
 ExitCode bench(const BenchOptions& options) {
   std::vector<std::string> set = options.set;
   set.insert(set.end(), {"replay.speed=0", "replay.preload=true", "replay.loop=1"});
+  if (options.cuda) return bench_cuda({options.config, set, options.rounds, options.json});
   const BenchRun run = measure(load_config(options.config, set));
   if (run.all.histogram.count() == 0)
     throw Error(ExitCode::bad_data, options.config + ": its source gave no frame; see rapidptv check");
@@ -120,10 +118,16 @@ void add_bench(Command app, Action& chosen) {
   Command command = app.add_subcommand("bench", "Time each stage on a configuration's own images");
   command.add_option("-c,--config", options->config, "configuration (TOML)").required();
   command.add_option("--set", options->set, "override one setting: key=value").allow_extra_args(false);
-  command.add_flag("--json", options->json, "print one JSON object, times in ns");
+  command.add_flag("--json", options->json,
+                   "print one JSON object, times in ns; with --cuda, the table goes to stderr");
+  Option cuda = command.add_flag("--cuda", options->cuda, "time the stages on the GPU, by its own events");
+  command.add_option("--rounds", options->rounds, "with --cuda: how often each frame set is reconstructed")
+      .range(1, 1000000)
+      .needs(cuda)
+      .show_default();
   command.footer(
       "Examples:\n  rapidptv bench --config demo-out/rig.toml\n  rapidptv bench --config rig.toml --set "
-      "light_field.threads=1");
+      "light_field.threads=1\n  rapidptv bench --config rig.toml --cuda --rounds 20 --json > gpu.json");
   command.callback([options, &chosen] { chosen = [options] { return bench(*options); }; });
 }
 

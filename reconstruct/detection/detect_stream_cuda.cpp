@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "reconstruct/cuda_stage_timer.hpp"
 #include "reconstruct/detection/lit_maxima_cuda.hpp"
 #include "reconstruct/detection/separate_spots.hpp"
 #include "reconstruct/detection/spot_finder.hpp"
@@ -84,7 +85,8 @@ CudaSpots DetectStream::spots() const noexcept {
 void DetectStream::submit(const ImageView& image) noexcept {
   state_ = State::refused;
   if (image.data == nullptr || !image.shape.has_size_of(shape_)) return;
-  std::memcpy(image_.data(), image.data, image.shape.bytes());
+  last_bytes_ = image.shape.bytes();
+  std::memcpy(image_.data(), image.data, last_bytes_);
   state_ = queue(image) ? State::queued : State::failed;
 }
 
@@ -102,14 +104,15 @@ bool DetectStream::queue(const ImageView& image) noexcept {
                            count_.data(),
                            static_cast<std::uint32_t>(capacity_)};
   Totals& totals = totals_[0];
-  return stream_.upload(pixels_.data(), image_.data(), image.shape.bytes()) &&
-         stream_.fill(spot_counts_.data(), 0, sizeof(CudaSpotCounts)) &&
+  return stream_.stage(CudaStage::upload) && stream_.upload(pixels_.data(), image_.data(), image.shape.bytes()) &&
+         stream_.stage(CudaStage::detection) && stream_.fill(spot_counts_.data(), 0, sizeof(CudaSpotCounts)) &&
          find_lit_maxima_cuda(on_device, dark, maxima, stream_.handle(), threads_) &&
          find_spots_cuda(on_device, dark, maxima, cuda_spot_settings(settings_, image.shape), spots(), out,
                          spot_counts_.data(), stream_.handle(), threads_) &&
+         stream_.stage(CudaStage::download) &&
          stream_.download(&totals.maxima, row_start_.data() + shape_.height_px, sizeof totals.maxima) &&
          stream_.download(&totals.detections, count_.data(), sizeof totals.detections) &&
-         stream_.download(&totals.spots, spot_counts_.data(), sizeof totals.spots);
+         stream_.download(&totals.spots, spot_counts_.data(), sizeof totals.spots) && stream_.stage(CudaStage::none);
 }
 
 void DetectStream::collect(Detections& out) noexcept {
@@ -123,13 +126,16 @@ void DetectStream::collect(Detections& out) noexcept {
   const Totals& totals = totals_[0];
   bool done = state == State::queued && stream_.synchronize();
   const std::size_t count = done ? std::min<std::size_t>(totals.detections, capacity_) : 0;
+  stream_.stage(CudaStage::download);
   for (std::size_t k = 0; k < kColumns; ++k)
     done = done &&
            stream_.download(columns_.data() + k * capacity_, found_.data() + k * capacity_, count * sizeof(double));
+  stream_.stage(CudaStage::none);
   if (!done || !stream_.synchronize()) {
     ++failed_;
     return;
   }
+  stream_.tell(CudaStage::detection, last_bytes_ + count * kColumns * sizeof(double));
   const std::size_t refused = totals.maxima > most_maxima_ ? totals.maxima - most_maxima_ : 0;
   counts_.refused_maxima += refused, counts_.merged += totals.spots.merged, counts_.too_small += totals.spots.too_small;
   ++counts_.frames;

@@ -59,6 +59,7 @@ class DetectStream {
   PinnedArray<Totals> totals_;
   CudaStream stream_;
   enum class State { idle, queued, refused, failed } state_ = State::idle;
+  std::size_t last_bytes_ = 0;  // of the image
   DetectorCounts counts_;
   std::uint64_t failed_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "reconstruct/cuda_scan.hpp"
+#include "reconstruct/cuda_stage_timer.hpp"
 
 namespace rptv {
 
@@ -70,24 +71,30 @@ ExplainerCuda::ExplainerCuda(const LightFieldDevicePlan& plan, const CudaRays& r
 }
 
 bool ExplainerCuda::explain(CudaStream& stream) noexcept {
-  if (!queue_up_cuda(explain_, stream.handle())) return false;
+  if (!stream.stage(CudaStage::fits) || !queue_up_cuda(explain_, stream.handle())) return false;
   do {
+    stream.stage(CudaStage::fits);
     for (int turn = 0; turn < kTurnsAtOnce; ++turn)
       if (!take_turns_cuda(explain_, stream.handle())) return false;
-    if (!stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.synchronize())
+    if (!stream.stage(CudaStage::download) ||
+        !stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.stage(CudaStage::none) ||
+        !stream.synchronize())
       return false;
   } while (explained_[0].waiting > 0 && sure());
-  return end_round_cuda(explain_, stream.handle());
+  return stream.stage(CudaStage::fits) && end_round_cuda(explain_, stream.handle()) && stream.stage(CudaStage::none);
 }
 
 bool ExplainerCuda::settle(CudaStream& stream, std::vector<FittedParticle>& found) noexcept {
   found.clear();
-  if (!settle_cuda(explain_, stream.handle()) ||
-      !stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.synchronize())
+  if (!stream.stage(CudaStage::fits) || !settle_cuda(explain_, stream.handle()) || !stream.stage(CudaStage::download) ||
+      !stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.stage(CudaStage::none) ||
+      !stream.synchronize())
     return false;
   const std::size_t count = explained_[0].particles;
   if (!sure()) return true;
-  if (!stream.download(particles_.data(), particle_.data(), count * sizeof(CudaParticle)) || !stream.synchronize())
+  if (!stream.stage(CudaStage::download) ||
+      !stream.download(particles_.data(), particle_.data(), count * sizeof(CudaParticle)) ||
+      !stream.stage(CudaStage::none) || !stream.synchronize())
     return false;
   for (std::size_t k = 0; k < count; ++k) {
     FittedParticle& particle = found.emplace_back();

@@ -3,9 +3,11 @@
 #include "reconstruct/light_field/light_field_cuda.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "reconstruct/cuda_scan.hpp"
+#include "reconstruct/cuda_stage_timer.hpp"
 
 namespace rptv {
 
@@ -46,6 +48,7 @@ LightFieldCuda::LightFieldCuda(const LightFieldDevicePlan& plan)
       highest_(voxels_of(grid_)),
       voxel_runs_(compact_runs(voxels_of(grid_))),
       candidate_(plan.max_candidates),
+      watched_counts_(stream_.watched() ? voxels_of(grid_) : 0),
       lit_pixels_{lit_.data(), sizes_.data() + kLit, pixel_runs_.data(), u32(plan.max_rays)},
       ray_table_{table_.data(), centres_.data(), plan.pixels_to_rays.optics(), u32(plan.pixels_to_rays.hypotheses()),
                  plan.pixels_to_rays.width_px()},
@@ -87,23 +90,36 @@ bool LightFieldCuda::find_lit_pixels(const ImageView& image, std::span<std::uint
                                      std::size_t& found) noexcept {
   if (image.shape.pixels() != image_.size() || lit.size() < lit_.size()) return false;
   const CudaImage on_device{image_.data(), image.shape.width_px, image.shape.height_px, image.shape.bytes_per_pixel};
-  if (!stream_.upload(image_.data(), image.data, image.shape.bytes()) ||
+  stream_.stage(CudaStage::upload);
+  if (!stream_.upload(image_.data(), image.data, image.shape.bytes()) || !stream_.stage(CudaStage::lit_pixels) ||
       !find_lit_pixels_cuda(on_device, {nullptr, limit_.data(), uniform_limit_}, lit_pixels_, stream_.handle()) ||
-      !stream_.download(&found_[kLit], lit_pixels_.size, sizeof(std::uint32_t)) || !stream_.synchronize())
+      !stream_.stage(CudaStage::download) ||
+      !stream_.download(&found_[kLit], lit_pixels_.size, sizeof(std::uint32_t)) || !stream_.stage(CudaStage::none) ||
+      !stream_.synchronize())
     return false;
   found = found_[kLit];
   const std::size_t written = std::min(found, lit_.size());
-  return stream_.download(lit.data(), lit_.data(), written * sizeof(std::uint32_t)) && stream_.synchronize();
+  stream_.tell(CudaStage::lit_pixels, image.shape.bytes() + written * sizeof(std::uint32_t));
+  return stream_.stage(CudaStage::download) &&
+         stream_.download(lit.data(), lit_.data(), written * sizeof(std::uint32_t)) && stream_.stage(CudaStage::none) &&
+         stream_.synchronize();
 }
 
 bool LightFieldCuda::find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept {
   if (lit.size() > lit_.size() || rays.capacity() < ray_.size()) return false;
   found_[kLit] = u32(lit.size());
+  stream_.stage(CudaStage::upload);
   if (!stream_.upload(lit_.data(), lit.data(), lit.size_bytes()) ||
-      !stream_.upload(lit_pixels_.size, &found_[kLit], sizeof(std::uint32_t)) ||
+      !stream_.upload(lit_pixels_.size, &found_[kLit], sizeof(std::uint32_t)) || !stream_.stage(CudaStage::rays) ||
       !pixels_to_rays_cuda(lit_pixels_, ray_table_, ray_sort_, rays_, stream_.handle()) ||
-      !stream_.download(&found_[kRays], rays_.size, 2 * sizeof(std::uint32_t)) || !stream_.synchronize())
+      !stream_.stage(CudaStage::download) || !stream_.download(&found_[kRays], rays_.size, 2 * sizeof(std::uint32_t)) ||
+      !stream_.stage(CudaStage::none) || !stream_.synchronize())
     return false;
+  // Written: a ray and two indices; twice incremented: its lenslet's number of rays, and of rays that have a place.
+  stream_.tell(CudaStage::rays,
+               lit.size_bytes() + found_[kRays] * (sizeof(Ray) + 2 * sizeof(std::uint32_t)) +
+                   first_of_lenslet_.size() * sizeof(std::uint32_t),
+               2 * std::uint64_t{found_[kRays]});
   refused = lit.size() - found_[kPixels];
   rays.size = found_[kRays], rays.pixels = found_[kPixels];
   return true;
@@ -111,26 +127,46 @@ bool LightFieldCuda::find_rays(std::span<const std::uint32_t> lit, Rays& rays, s
 
 bool LightFieldCuda::read_rays(Rays& rays) noexcept {
   auto& first = rays.first_of_lenslet;
-  return stream_.download(rays.ray.data(), ray_.data(), rays.size * sizeof(Ray)) &&
+  return stream_.stage(CudaStage::download) &&
+         stream_.download(rays.ray.data(), ray_.data(), rays.size * sizeof(Ray)) &&
          stream_.download(rays.pixel.data(), pixel_.data(), rays.size * sizeof(std::uint32_t)) &&
          stream_.download(rays.same_pixel.data(), same_pixel_.data(), rays.size * sizeof(std::uint32_t)) &&
          stream_.download(first.data(), first_of_lenslet_.data(), first.size() * sizeof(std::uint32_t)) &&
-         stream_.synchronize();
+         stream_.stage(CudaStage::none) && stream_.synchronize();
+}
+
+// What a StageTimer is told of the count, an increment a free ray and plane: all counters together, border included.
+bool LightFieldCuda::tell_candidates() noexcept {
+  if (!stream_.timed()) return true;
+  const std::size_t voxels = watched_counts_.size(), voxel_bytes = voxels * sizeof(std::uint16_t);
+  if (!stream_.stage(CudaStage::none) ||
+      !stream_.download(found_.data(), sizes_.data(), kSizes * sizeof(std::uint32_t)) ||
+      !stream_.download(watched_counts_.data(), counts_.data(), voxel_bytes) || !stream_.synchronize())
+    return false;
+  const std::uint16_t* counts = watched_counts_.data();
+  stream_.tell(CudaStage::count, found_[kRays] * (sizeof(Ray) + sizeof(std::uint8_t)) + voxel_bytes,
+               std::accumulate(counts, counts + voxels, std::uint64_t{0}));
+  stream_.tell(CudaStage::maxima,
+               voxel_bytes + std::min<std::size_t>(found_[kCandidates], candidate_.size()) * sizeof(Candidate));
+  return true;
 }
 
 // Candidates among the rays that are not `taken`, and their number into `found_`.
 bool LightFieldCuda::queue_candidates(const std::uint8_t* taken, std::uint16_t least) noexcept {
-  return count_rays_cuda(grid_, rays_, taken, ray_count_, stream_.handle()) &&
+  return stream_.stage(CudaStage::count) && count_rays_cuda(grid_, rays_, taken, ray_count_, stream_.handle()) &&
+         stream_.stage(CudaStage::maxima) &&
          find_coarse_maxima_cuda(grid_, counts_.data(), least, candidates_, stream_.handle()) &&
-         stream_.download(&found_[kCandidates], candidates_.size, sizeof(std::uint32_t));
+         stream_.stage(CudaStage::download) &&
+         stream_.download(&found_[kCandidates], candidates_.size, sizeof(std::uint32_t)) &&
+         stream_.stage(CudaStage::none) && tell_candidates();
 }
 
 bool LightFieldCuda::find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept {
   particles.rounds = particles.candidates = particles.refused_candidates = 0;
-  if (!explainer_.begin(stream_)) return false;
+  if (!stream_.stage(CudaStage::fits) || !explainer_.begin(stream_)) return false;
   while (particles.rounds < rounds) {
-    if (!explainer_.begin_round(stream_) || !queue_candidates(explainer_.taken(), least) ||
-        !explainer_.explain(stream_))
+    if (!stream_.stage(CudaStage::fits) || !explainer_.begin_round(stream_) ||
+        !queue_candidates(explainer_.taken(), least) || !explainer_.explain(stream_))
       return false;
     const std::size_t kept = std::min<std::size_t>(found_[kCandidates], candidate_.size());
     particles.candidates += kept, particles.refused_candidates += found_[kCandidates] - kept;
@@ -145,13 +181,15 @@ bool LightFieldCuda::find_particles(std::uint16_t least, std::size_t rounds, Dev
 bool LightFieldCuda::find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least,
                                      std::vector<Candidate>& candidates, std::size_t& refused) noexcept {
   const std::size_t rays = found_[kRays], room = std::min(candidates.capacity(), candidate_.size());
-  if (taken.size() < rays || !stream_.upload(taken_.data(), taken.data(), rays) ||
+  if (taken.size() < rays || !stream_.stage(CudaStage::upload) || !stream_.upload(taken_.data(), taken.data(), rays) ||
       !queue_candidates(taken_.data(), least) || !stream_.synchronize())
     return false;
   const std::size_t kept = std::min<std::size_t>(found_[kCandidates], room);
   refused = found_[kCandidates] - kept;
   candidates.resize(kept);
-  return stream_.download(candidates.data(), candidate_.data(), kept * sizeof(Candidate)) && stream_.synchronize();
+  return stream_.stage(CudaStage::download) &&
+         stream_.download(candidates.data(), candidate_.data(), kept * sizeof(Candidate)) &&
+         stream_.stage(CudaStage::none) && stream_.synchronize();
 }
 
 std::unique_ptr<LightFieldDevice> make_light_field_cuda(const LightFieldDevicePlan& plan) {

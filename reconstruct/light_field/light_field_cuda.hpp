@@ -30,6 +30,7 @@ class LightFieldCuda final : public LightFieldDevice {
                        std::size_t& refused) noexcept override;
 
  private:
+  bool tell_candidates() noexcept;
   bool queue_candidates(const std::uint8_t* taken, std::uint16_t least) noexcept;
 
   const VoxelGrid grid_;
@@ -51,6 +52,7 @@ class LightFieldCuda final : public LightFieldDevice {
   DeviceArray<std::uint16_t> counts_, smooth_, highest_;
   DeviceArray<std::uint32_t> voxel_runs_;
   DeviceArray<Candidate> candidate_;
+  PinnedArray<std::uint16_t> watched_counts_;  // where a StageTimer watches
 
   const CudaLitPixels lit_pixels_;
   const CudaRayTable ray_table_;

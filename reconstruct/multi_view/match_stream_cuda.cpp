@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "reconstruct/cuda_stage_timer.hpp"
+
 namespace rptv {
 
 MatchStream::MatchStream(const MatchRig& rig)
@@ -49,7 +51,7 @@ bool MatchStream::upload() noexcept {
     std::memcpy(static_cast<void*>(by.data() + first), from, bytes);
     return stream_.upload(to.data() + first * per_item, by.data() + first, bytes);
   };
-  bool ok = true;
+  bool ok = stream_.stage(CudaStage::upload);
   for (std::size_t v = 0; v < views_.size(); ++v) {
     const SeenView& view = views_[v];
     const std::size_t first = v * memory_.max_detections;
@@ -79,15 +81,16 @@ bool MatchStream::search() noexcept {
   const CorrespondenceOptions& options = rig_.options();
   CudaExtension extension{0, 0, static_cast<std::uint32_t>(options.min_views), options.tolerance_px};
   CudaMatchCounts* counts = memory_.counts.data();
-  bool ok = true;
+  bool ok = stream_.stage(CudaStage::cells);
   for (std::uint32_t v = 1; v < views.views; ++v)
     ok = ok && sort_into_cells_cuda(views, v, sizes_[v], rig_.cell_of(v), stream_.handle(), rig_.threads_per_block());
   for (std::uint32_t first = 0; first + options.min_views <= views.views; ++first)
     for (std::uint32_t second = first + 1; second + options.min_views <= views.views + 1; ++second) {
       extension.first = first, extension.second = second;
-      ok = ok &&
+      ok = ok && stream_.stage(CudaStage::pairs) &&
            find_pairs_cuda(rig_.search(views, first, second, sizes_), pencil, pairs, stream_.handle(),
                            rig_.threads_per_block()) &&
+           stream_.stage(CudaStage::tuples) &&
            extend_pairs_cuda(views, pairs, extension, hits, memory_.tuples.view(views.views), counts, stream_.handle(),
                              rig_.threads_per_block()) &&
            end_list_cuda(pairs.count, pairs.capacity, &counts->refused_pairs, stream_.handle()) && solve() &&
@@ -104,7 +107,7 @@ bool MatchStream::solve() noexcept {
   const std::size_t most = memory_.max_tuples;
   const CudaPoints points{value, value + most, value + 2 * most, value + 3 * most};
   CudaTuples from = memory_.tuples.view(rig_.size()), to = memory_.doubtful.view(rig_.size());
-  bool ok = true;
+  bool ok = stream_.stage(CudaStage::dlt);
   for (std::size_t left = rig_.size(); left >= rig_.options().min_views; --left) {
     ok = ok && solve_dlt_cuda(rows, from, points, stream_.handle(), rig_.threads_per_block()) &&
          judge_tuples_cuda(views, from, points, rig_.judging(), device_matches(), to, stream_.handle(),
@@ -121,13 +124,13 @@ bool MatchStream::choose() noexcept {
   const CudaMatches matches = device_matches();
   const auto max_detections = static_cast<std::uint32_t>(memory_.max_detections);
   const CudaGhosts ghosts{matches.s, memory_.chosen.data(), memory_.used.data(), memory_.owner.data(), max_detections};
-  bool ok = true;
+  bool ok = stream_.stage(CudaStage::ghosts);
   for (int round = 0; round < kRounds; ++round) {
     if (round > 0)
       ok = ok &&
            list_remains_cuda(matches, ghosts.chosen, ghosts.used, max_detections, rig_.judging().min_views,
                              memory_.tuples.view(rig_.size()), stream_.handle(), rig_.threads_per_block()) &&
-           solve();
+           solve() && stream_.stage(CudaStage::ghosts);
     ok = ok && choose_by_rank_cuda(matches.tuples, ghosts, CudaRank::by_views_then_s, stream_.handle(),
                                    rig_.threads_per_block());
   }
@@ -138,17 +141,19 @@ bool MatchStream::choose() noexcept {
 
 bool MatchStream::download() noexcept {
   MatchTransfer::Found& found = transfer_.found[0];
-  return stream_.download(&found.chosen, memory_.packed_count.data(), sizeof found.chosen) &&
+  return stream_.stage(CudaStage::download) &&
+         stream_.download(&found.chosen, memory_.packed_count.data(), sizeof found.chosen) &&
          stream_.download(&found.matches, memory_.matches.count.data(), sizeof found.matches) &&
-         stream_.download(&found.counts, memory_.counts.data(), sizeof found.counts);
+         stream_.download(&found.counts, memory_.counts.data(), sizeof found.counts) && stream_.stage(CudaStage::none);
 }
 
 std::span<const ViewMatch> MatchStream::collect() noexcept {
   chosen_.clear();
   const bool done = std::exchange(queued_, false) && stream_.synchronize();
   const MatchTransfer::Found& found = transfer_.found[0];
-  if (!done || !stream_.download(transfer_.packed.data(), memory_.packed.data(), found.chosen * sizeof(CudaChosen)) ||
-      !stream_.synchronize()) {
+  if (!done || !stream_.stage(CudaStage::download) ||
+      !stream_.download(transfer_.packed.data(), memory_.packed.data(), found.chosen * sizeof(CudaChosen)) ||
+      !stream_.stage(CudaStage::none) || !stream_.synchronize()) {
     ++counts_.failed;
     return {};
   }

@@ -80,6 +80,15 @@ cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr attribute, int dev
       case cudaDevAttrWarpSize:
         *value = 32;
         return cudaSuccess;
+      case cudaDevAttrClockRate:
+        *value = kClockKhz;
+        return cudaSuccess;
+      case cudaDevAttrMemoryClockRate:
+        *value = kMemoryClockKhz;
+        return cudaSuccess;
+      case cudaDevAttrGlobalMemoryBusWidth:
+        *value = kMemoryBusBits;
+        return cudaSuccess;
       case cudaDevAttrMultiProcessorCount:
         *value = kMultiprocessors;
         return cudaSuccess;

@@ -15,4 +15,9 @@ inline constexpr unsigned kMaxGridX = 2147483647;
 inline constexpr unsigned kMaxGridYz = 65535;
 inline constexpr int kMultiprocessors = 36;
 
+// The stand-in's own: no device has them.
+inline constexpr int kClockKhz = 1000000;
+inline constexpr int kMemoryClockKhz = 2000000;
+inline constexpr int kMemoryBusBits = 256;
+
 }  // namespace rptv::cuda_host
