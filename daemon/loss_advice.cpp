@@ -36,8 +36,8 @@ std::string_view advice_on(LossCause cause) noexcept {
     case LossCause::detection_overflow:
       return "raise multi_view.detector.threshold or multi_view.detector.max_detections";
     case LossCause::match_overflow:
-      return "raise multi_view.max_matches, or lower the tolerance of matching (multi_view.tolerance_px, or "
-             "multi_view.iterative.tolerance_px)";
+      return "raise multi_view.max_matches (0: room for what chance makes of the settings), or lower the tolerance of "
+             "matching, multi_view.tolerance_px or multi_view.iterative.tolerance_px";
     case LossCause::search_cut:
       return "raise multi_view.max_matches or multi_view.detector.threshold";
     case LossCause::ray_overflow:

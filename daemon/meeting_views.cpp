@@ -16,7 +16,7 @@ constexpr std::size_t kEnoughImages = 20;  // of particles, to expect that some 
 constexpr double kManyMeet = 0.5, kFewMeet = 0.1;
 constexpr std::size_t kSwapFinds = 2;  // times as many
 
-double share(std::size_t found, const Meeting& meeting) {
+double share_of(std::size_t found, const Meeting& meeting) {
   return static_cast<double>(found) / static_cast<double>(meeting.expected);
 }
 
@@ -44,7 +44,7 @@ Meeting meeting_of(MultiView& stage, const Config& config, const std::vector<Cam
     return particles.size();
   };
   Meeting meeting{counts[static_cast<std::size_t>(config.multi_view.min_views) - 1], match(), {}};
-  if (meeting.expected < kEnoughImages || share(meeting.found, meeting) >= kManyMeet) return meeting;
+  if (meeting.expected < kEnoughImages || share_of(meeting.found, meeting) >= kManyMeet) return meeting;
   Meeting::Swap best;
   for (std::size_t one = 0; one < seen.size(); ++one)
     for (std::size_t other = one + 1; other < seen.size(); ++other) {
@@ -53,7 +53,7 @@ Meeting meeting_of(MultiView& stage, const Config& config, const std::vector<Cam
       if (const std::size_t found = match(); found > best.found) best = {one, other, found};
       std::swap(seen[one], seen[other]);
     }
-  if (best.found >= kSwapFinds * meeting.found && share(best.found, meeting) >= kManyMeet) meeting.swap = best;
+  if (best.found >= kSwapFinds * meeting.found && share_of(best.found, meeting) >= kManyMeet) meeting.swap = best;
   return meeting;
 }
 
@@ -64,7 +64,7 @@ std::string doubt_of(const Meeting& m, const Config& config, const std::vector<C
         "with the two exchanged; exchange their names in {4}, or their images in {5}",
         cameras[m.swap->one].name, cameras[m.swap->other].name, m.found, m.swap->found, config.multi_view.rig,
         config.replay.path);
-  if (m.expected < kEnoughImages || share(m.found, m) >= kFewMeet) return {};
+  if (m.expected < kEnoughImages || share_of(m.found, m) >= kFewMeet) return {};
   return fmt::format(
       "{} cameras see {} and more particle images in the first instant, and {} sets of them meet in space: are cameras "
       "swapped, or have they moved since the calibration? Compare their names with those in {}, calibrate again, or "

@@ -10,14 +10,14 @@ namespace rptv {
 
 namespace {
 
-using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+using PointRows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::optional<Rows> derivatives_of(const BundleCovariance& c, std::span<const std::size_t> cameras,
-                                   const Point3& point_mm) {
+std::optional<PointRows> derivatives_of(const BundleCovariance& c, std::span<const std::size_t> cameras,
+                                        const Point3& point_mm) {
   const auto at = [](std::size_t place) { return static_cast<Eigen::Index>(place); };
   const Eigen::Matrix3d turn = matrix_of(pose_of(c.frame).rotation);
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
-  Rows sum = Rows::Zero(3, at(c.size()));
+  PointRows sum = PointRows::Zero(3, at(c.size()));
   for (const std::size_t k : cameras) {
     const bool own = c.walls.has_window(k);
     static constexpr StackParameters kHeld{};
@@ -40,7 +40,7 @@ std::optional<Rows> derivatives_of(const BundleCovariance& c, std::span<const st
   }
   const Eigen::FullPivLU<Eigen::Matrix3d> normal(square);
   if (cameras.size() < 2 || !normal.isInvertible()) return std::nullopt;
-  return Rows(-normal.solve(sum));
+  return PointRows(-normal.solve(sum));
 }
 
 }  // namespace

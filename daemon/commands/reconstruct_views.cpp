@@ -47,8 +47,12 @@ void tell_matches(const CorrespondenceCounts& n, const char* tolerance) {
   if (n.refused_matches + n.unsearched > 0)
     std::cerr << fmt::format(
         "{} sets of particle images were left out, {} rays were not followed: lower "
-        "multi_view.{} or raise multi_view.max_matches\n",
+        "multi_view.{} or raise multi_view.max_matches (0: room for what chance makes of the settings)\n",
         n.refused_matches, n.unsearched, tolerance);
+  if (n.refused_hits > 0)
+    std::cerr << fmt::format(
+        "{} particle images were not tried where more than eight lie in one searched place: lower multi_view.{}\n",
+        n.refused_hits, tolerance);
 }
 
 void tell(const Reconstructor& stage, std::size_t instants, std::uint64_t particles) {

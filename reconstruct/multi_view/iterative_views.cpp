@@ -33,7 +33,7 @@ struct Rounds {
 
 struct IterativeViews::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
-      : settings(s),
+      : settings(s),  // max_matches > 0
         gate(cameras, static_cast<std::size_t>(s.min_views)),
         threads(thread_count(s.threads)),
         volume(choose_volume(s, rig)),
@@ -186,8 +186,10 @@ void IterativeViews::Stages::write(Particles& out) noexcept {
 }
 
 IterativeViews::IterativeViews(const MultiViewSettings& settings, const Rig& rig,
-                               std::span<const MultiViewCamera> cameras)
-    : stages_(std::make_unique<Stages>(settings, choose_cameras(settings, rig, cameras), cameras)) {}
+                               std::span<const MultiViewCamera> cameras) {
+  const Rig chosen = choose_cameras(settings, rig, cameras);
+  stages_ = std::make_unique<Stages>(with_room(settings, chosen), chosen, cameras);
+}
 
 IterativeViews::~IterativeViews() = default;
 const IterativeCounts& IterativeViews::counts() const noexcept { return stages_->counts; }

@@ -30,7 +30,7 @@ struct Rank {
 
 struct MultiView::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
-      : settings(s),
+      : settings(s),  // max_matches > 0
         gate(cameras, static_cast<std::size_t>(s.min_views)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
@@ -181,7 +181,7 @@ void MultiView::Stages::leave_device() noexcept {
 MultiView::MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras,
                      const MakeDetectDevice& make_detect, const MakeMatchDevice& make_match) {
   const Rig chosen = choose_cameras(settings, rig, cameras);
-  stages_ = std::make_unique<Stages>(settings, chosen, cameras);
+  stages_ = std::make_unique<Stages>(with_room(settings, chosen), chosen, cameras);
   if (make_detect) stages_->take(make_detect, cameras);
   if (make_match) stages_->matcher = make_match({stages_->settings, chosen, cameras, stages_->rays, stages_->volume});
 }

@@ -23,8 +23,9 @@ void MultiViewSettings::fields(FieldList& list) {
               "cameras or more");
   list.number("drift_window_s", drift_window_s, 0.1, 86400, "over which disparities are averaged, s");
   list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
-  list.integer("max_matches", max_matches, 1, 10000000,
-               "sets of detections that meet in a frame, before ghosts are removed; more are counted as overflow");
+  list.integer("max_matches", max_matches, 0, 10000000,
+               "sets of detections that meet in a frame, before ghosts are removed; more are counted as overflow; 0: "
+               "room for what chance makes of max_detections in each view, 2^20 at most");
   list.integer("threads", threads, 0, 1024,
                "that detect and match, at most one a camera; 0: as many as the machine has");
   list.section("detector", detector);

@@ -26,7 +26,7 @@ struct MultiViewSettings {
   double drift_window_s = 60;         ///< over which disparities are averaged
 
   std::int64_t max_particles = 16384;
-  std::int64_t max_matches = 65536;  ///< sets of detections that meet, before ghosts are removed
+  std::int64_t max_matches = 65536;  ///< sets of detections that meet, before ghosts are removed; 0: with_room()
   std::int64_t threads = 0;          ///< at most one a camera; 0: as many as the machine has
   DetectorSettings detector;
   IterationSettings iterative;

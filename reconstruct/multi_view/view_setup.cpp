@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "core/error.hpp"
+#include "reconstruct/multi_view/matches_by_chance.hpp"
 #include "reconstruct/multi_view/seen_volume.hpp"
 
 namespace rptv {
@@ -48,6 +49,20 @@ Volume choose_volume(const MultiViewSettings& settings, const Rig& rig) {
     volume.from[k] = (*given[k])[0], volume.to[k] = (*given[k])[1];
   }
   return volume;
+}
+
+MultiViewSettings with_room(MultiViewSettings settings, const Rig& rig) {
+  constexpr double kMostRoom = 1 << 20;
+  if (settings.max_matches > 0) return settings;
+  const bool iterative = settings.method == "iterative";
+  const auto least = static_cast<std::size_t>(settings.min_views);
+  const double chance =
+      matches_by_chance(rig, choose_volume(settings, rig), static_cast<std::size_t>(settings.detector.max_detections),
+                        iterative ? std::max(least, rig.cameras.size() - 1) : least,
+                        iterative ? settings.iterative.tolerance_px : settings.tolerance_px);
+  settings.max_matches =
+      static_cast<std::int64_t>(std::min(static_cast<double>(settings.detector.max_detections) + chance, kMostRoom));
+  return settings;
 }
 
 CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t threads) {

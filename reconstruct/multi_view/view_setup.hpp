@@ -31,7 +31,10 @@ Rig choose_cameras(const MultiViewSettings& settings, const Rig& rig, std::span<
 /// Error(configuration).
 Volume choose_volume(const MultiViewSettings& settings, const Rig& rig);
 
-/// How particle images are matched at first, by so many threads.
+/// With max_matches = 0 resolved: room for every detection and for matches_by_chance() of full lists, 2^20 at most.
+MultiViewSettings with_room(MultiViewSettings settings, const Rig& rig);
+
+/// How particle images are matched at first, by so many threads; max_matches is not 0.
 CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t threads);
 
 /// How particles are chosen among matches that agree within `tolerance_px`.

@@ -7,6 +7,7 @@
 #include "reconstruct/multi_view/match_cuda.hpp"
 #include "reconstruct/multi_view/match_trial.hpp"
 #include "reconstruct/multi_view/multi_view.hpp"
+#include "tests/core/same_particles.hpp"
 #include "tests/cuda_host/control.hpp"
 #include "tests/reconstruct/multi_view/camera_frames.hpp"
 
@@ -69,11 +70,7 @@ class MatchingOnTheDevice : public ::testing::TestWithParam<bool> {
     Particles found(600), expected(600);
     device.reconstruct(frames_.set(), found), cpu.reconstruct(frames_.set(), expected);
     EXPECT_GT(expected.size(), least);
-    EXPECT_TRUE(found.x_mm == expected.x_mm && found.y_mm == expected.y_mm && found.z_mm == expected.z_mm);
-    EXPECT_EQ(found.support, expected.support);
-    EXPECT_EQ(found.residual_mm, expected.residual_mm);
-    EXPECT_EQ(found.covariance_mm2, expected.covariance_mm2);
-    EXPECT_EQ(found.ghost, expected.ghost);
+    testing::expect_same(found, expected);
     EXPECT_EQ(device.losses().snapshot(), cpu.losses().snapshot());
     EXPECT_EQ(device.correspondence_counts().unusable_detections, cpu.correspondence_counts().unusable_detections);
   }
