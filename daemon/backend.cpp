@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "reconstruct/detection/detect_cuda.hpp"
 #include "reconstruct/light_field/light_field_cuda.hpp"
+#include "reconstruct/multi_view/match_cuda.hpp"
 #include "reconstruct/parallel.hpp"
 
 namespace rptv {
@@ -106,6 +107,17 @@ std::unique_ptr<DetectDevice> make_tried_device(const Config& config, const Dete
   return make_tried(
       config, backend, "the particle images of a test frame set", [&] { return make_detect_cuda(plan); },
       [&](DetectDevice& device) { return try_device(device, plan, thread_count(config.multi_view.threads)); });
+}
+
+std::unique_ptr<MatchDevice> make_tried_device(const Config& config, const MatchDevicePlan& plan, Backend& backend) {
+  if (backend.device && config.multi_view.ghosts != "views") {
+    backend = {false, fmt::format("matching on the CPU: multi_view.ghosts = \"{}\", and the device does \"views\"",
+                                  config.multi_view.ghosts)};
+    return nullptr;
+  }
+  return make_tried(
+      config, backend, "the particles of listed particle images", [&] { return make_match_cuda(plan); },
+      [&](MatchDevice& device) { return try_device(device, plan); });
 }
 
 }  // namespace rptv

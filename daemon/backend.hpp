@@ -8,6 +8,7 @@
 #include "reconstruct/cuda_probe.hpp"
 #include "reconstruct/detection/detect_trial.hpp"
 #include "reconstruct/light_field/device_trial.hpp"
+#include "reconstruct/multi_view/match_trial.hpp"
 
 namespace rptv {
 
@@ -35,5 +36,7 @@ Backend judge(const Config& config, const std::string& device, const DeviceTrial
 std::unique_ptr<LightFieldDevice> make_tried_device(const Config& config, const LightFieldDevicePlan& plan,
                                                     Backend& backend);
 std::unique_ptr<DetectDevice> make_tried_device(const Config& config, const DetectDevicePlan& plan, Backend& backend);
+/// Null also for another multi_view.ghosts than the device has.
+std::unique_ptr<MatchDevice> make_tried_device(const Config& config, const MatchDevicePlan& plan, Backend& backend);
 
 }  // namespace rptv

@@ -120,9 +120,13 @@ std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::
     views.push_back({cameras[c].name, cameras[c].shape, backgrounds.back().view()});
   }
   if (settings.method == "iterative") return std::make_unique<IterativeViews>(settings, read_rig(settings.rig), views);
-  return std::make_unique<MultiView>(settings, read_rig(settings.rig), views, [&](const DetectDevicePlan& plan) {
-    return make_tried_device(config, plan, backend);
-  });
+  Backend matching = backend;  // tried and chosen by itself
+  auto multi_view = std::make_unique<MultiView>(
+      settings, read_rig(settings.rig), views,
+      [&](const DetectDevicePlan& plan) { return make_tried_device(config, plan, backend); },
+      [&](const MatchDevicePlan& plan) { return make_tried_device(config, plan, matching); });
+  if (matching.text != backend.text) backend.text += "; " + matching.text;
+  return multi_view;
 }
 
 }  // namespace

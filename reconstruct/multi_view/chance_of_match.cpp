@@ -7,15 +7,14 @@
 
 namespace rptv {
 
-ChanceOfMatch::ChanceOfMatch(const Correspondence& correspondence, double tolerance_px) noexcept
+ChanceOfMatch::ChanceOfMatch(std::span<const SeenView> views, const CorrespondenceCounts& counts,
+                             double tolerance_px) noexcept
     : tolerance_px_(tolerance_px) {
   const double edge = 4 * tolerance_px;  // of the place that two views leave, where the scales are alike
-  const auto& counts = correspondence.counts();
   pairs_ = static_cast<double>(counts.pairs) / static_cast<double>(std::max<std::size_t>(counts.rays, 1));
-  for (std::size_t v = 0; v < correspondence.views().size(); ++v) {
-    const auto& [left, top, right, bottom] = correspondence.views()[v].rays().pinhole_range();
-    in_view_[v] = std::min(
-        1.0, static_cast<double>(correspondence.views()[v].size()) / ((right - left) * (bottom - top)) * edge * edge);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto& [left, top, right, bottom] = views[v].rays().pinhole_range();
+    in_view_[v] = std::min(1.0, static_cast<double>(views[v].size()) / ((right - left) * (bottom - top)) * edge * edge);
   }
 }
 

@@ -13,7 +13,8 @@ namespace rptv {
 /// true.
 class ChanceOfMatch {
  public:
-  ChanceOfMatch(const Correspondence& correspondence, double tolerance_px) noexcept;
+  /// `counts`: rays followed in the frame, and pairs.
+  ChanceOfMatch(std::span<const SeenView> views, const CorrespondenceCounts& counts, double tolerance_px) noexcept;
   double of(const ViewMatch& match) const noexcept;
 
  private:

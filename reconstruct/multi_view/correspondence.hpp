@@ -60,7 +60,8 @@ class Correspondence {
   /// Tries tuples that the caller made of detections of the last match(), also when they are within listed ones; those
   /// that meet are added behind the list, and returned.
   std::span<const ViewMatch> add(std::span<const ViewTuple> tuples) noexcept;
-  std::size_t size() const noexcept { return matches_.size(); }
+  /// Those of match() and of add() since.
+  std::span<const ViewMatch> all() const noexcept { return matches_; }
 
   std::span<const SeenView> views() const noexcept { return views_; }
   const CorrespondenceOptions& options() const noexcept { return options_; }

@@ -40,7 +40,7 @@ struct IterativeViews::Stages {
         rays(trace_views(rig, volume)),
         correspondence(rays, volume, matching_of(s, threads)),
         ghosts(rays.size(), static_cast<std::size_t>(s.detector.max_detections),
-               static_cast<std::size_t>(s.max_matches), {s.iterative.tolerance_px, s.ghosts == "rank"}),
+               static_cast<std::size_t>(s.max_matches), ghosts_of(s, s.iterative.tolerance_px)),
         peak_options{static_cast<float>(s.detector.threshold), static_cast<float>(s.detector.threshold_sigmas)},
         cloud(
             models_of(rig), views_of(s, cameras), volume,

@@ -70,8 +70,12 @@ bool MatchStream::upload() noexcept {
 
 bool MatchStream::search() noexcept {
   const CudaViews views = device_views();
-  const CudaPairs pairs{memory_.pair_first.data(), memory_.pair_second.data(), memory_.pair_depth_mm.data(),
-                        memory_.pair_count.data(), static_cast<std::uint32_t>(memory_.max_pairs)};
+  const CudaPairs pairs{memory_.pair_first.data(),
+                        memory_.pair_second.data(),
+                        memory_.pair_depth_mm.data(),
+                        memory_.pair_count.data(),
+                        static_cast<std::uint32_t>(memory_.max_pairs),
+                        memory_.counts.data()};
   const CudaBins pencil{memory_.bin_start.data(), memory_.bin.data(), memory_.bin_entry.data()};
   const CudaHits hits{memory_.hit.data(), memory_.hits.data()};
   const CorrespondenceOptions& options = rig_.options();
@@ -155,6 +159,7 @@ std::span<const ViewMatch> MatchStream::collect() noexcept {
   }
   counts_.refused_hits += found.counts.refused_hits, counts_.refused_pairs += found.counts.refused_pairs;
   counts_.refused_tuples += found.counts.refused_tuples;
+  counts_.rays = found.counts.rays, counts_.pairs = found.counts.pairs;
   counts_.refused_matches += found.matches > memory_.max_matches ? found.matches - memory_.max_matches : 0;
   for (std::size_t i = 0; i < found.chosen; ++i) {
     const CudaChosen& from = transfer_.packed[i];

@@ -41,11 +41,12 @@ class MatchRig {
   unsigned threads_per_block_;
 };
 
-/// Since construction.
+/// Since construction, except where stated.
 struct MatchStreamCounts {
   std::uint64_t unusable_detections = 0;                                  ///< as CorrespondenceCounts
   std::uint64_t refused_hits = 0, refused_pairs = 0, refused_tuples = 0;  ///< as CudaMatchCounts
   std::uint64_t refused_matches = 0;                                      ///< beyond max_matches
+  std::size_t rays = 0, pairs = 0;                                        ///< of the last frame set
   std::uint64_t failed = 0;  ///< frame sets that the device refused; take_cuda_error() says why
 };
 

@@ -11,6 +11,7 @@
 #include "reconstruct/detection/detections.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
 #include "reconstruct/multi_view/frame_gate.hpp"
+#include "reconstruct/multi_view/match_device.hpp"
 #include "reconstruct/multi_view/view_observer.hpp"
 #include "reconstruct/reconstructor.hpp"
 
@@ -27,10 +28,10 @@ struct MultiViewCounts : FrameSetCounts {
 class MultiView final : public Reconstructor, public ObservableViews {
  public:
   /// `cameras`: the source's, in its order; each must be in the rig by name. `settings.rig` stands for the rig in
-  /// messages and is not read here. `make_device`: the device that detects, if there is one. Throws
-  /// Error(configuration), and what make_device throws.
+  /// messages and is not read here. `make_detect`, `make_match`: the devices that detect and match, if
+  /// there are. Throws Error(configuration), and what those throw.
   MultiView(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras,
-            const MakeDetectDevice& make_device = {});
+            const MakeDetectDevice& make_detect = {}, const MakeMatchDevice& make_match = {});
   ~MultiView() override;
 
   void reconstruct(const FrameSet& frames, Particles& out) noexcept override;

@@ -15,8 +15,9 @@ void MultiViewSettings::fields(FieldList& list) {
   list.number("tolerance_px", tolerance_px, 0.01, 100, "largest reprojection error of a particle, in every view");
   list.number("calibration_px", calibration_px, 0, 100,
               "rms error that the calibration adds to a detection, per axis; it goes into the covariance");
-  list.choice("ghosts", ghosts, {"global", "rank"},
-              "each detection is one particle: the best choice of all together, or in order of the DLT's s");
+  list.choice("ghosts", ghosts, {"global", "rank", "views"},
+              "each detection is one particle: the best choice of all together, in order of the DLT's s, or those of "
+              "most views first and then by s, which a GPU can do");
   list.number("drift_alarm_px", drift_alarm_px, 0, 5,
               "a camera that sees particles so far from where the rig says raises a warning; 0: nobody looks; three "
               "cameras or more");

@@ -21,7 +21,7 @@ struct MultiViewSettings {
   std::int64_t min_views = 3;         ///< that must see a particle
   double tolerance_px = 1;            ///< largest reprojection error of a particle, in every view
   double calibration_px = 0.05;       ///< rms error that the calibration adds to a detection, per axis
-  std::string ghosts = "global";      ///< "global": the best choice of all; "rank": the seed's, in order of s
+  std::string ghosts = "global";      ///< "global": best of all; "rank": the seed's, by s; "views": by views, then s
   double drift_alarm_px = 0.5;        ///< disparity of a camera that raises an alarm; 0: drift is not watched
   double drift_window_s = 60;         ///< over which disparities are averaged
 

@@ -109,8 +109,11 @@ void ViewGhosts::choose_alone(std::span<const ViewMatch> matches, std::uint32_t 
 }
 
 void ViewGhosts::choose_by_rank(std::span<const ViewMatch> matches) noexcept {
+  const auto rank = [&](std::uint32_t m) {
+    return std::tuple(options_.most_views_first ? kMaxViews - matches[m].tuple.views : 0, matches[m].s, m);
+  };
   std::sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(matches.size()),
-            [&](auto a, auto b) { return std::pair(matches[a].s, a) < std::pair(matches[b].s, b); });
+            [&](auto a, auto b) { return rank(a) < rank(b); });
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (!free(matches[order_[i]].tuple)) continue;
     mark(matches[order_[i]].tuple, 1);

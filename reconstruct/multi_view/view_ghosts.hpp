@@ -12,8 +12,9 @@
 namespace rptv {
 
 struct GhostOptions {
-  double tolerance_px = 1;  ///< as CorrespondenceOptions has it
-  bool by_rank = false;     ///< the seed's way: in order of rising s, whoever comes first
+  double tolerance_px = 1;        ///< as CorrespondenceOptions has it
+  bool by_rank = false;           ///< the seed's way: in order of rising s, whoever comes first
+  bool most_views_first = false;  ///< by_rank: by number of views, and among as many in order of s
 };
 
 /// Since construction, except where stated.

@@ -42,6 +42,8 @@ __global__ void follow_rays(CudaPairSearch search, CudaBins pencil, CudaPairs ou
     Sight sight;
     sight_along(search.first.ray[i], search.first_axes, sight.from_mm, sight.along);
     if (!clip(search.half_mm, sight)) continue;
+    unsigned long long near = 0;
+    if (out.totals != nullptr) atomicAdd(&out.totals->rays, 1ULL);
     const EpipolarLine line(search.second_pinhole, sight);
     if (!line.in_front(sight)) continue;
     const LineInPencil found(search.lines, line, sight, reach_px);
@@ -49,11 +51,14 @@ __global__ void follow_rays(CudaPairSearch search, CudaBins pencil, CudaPairs ou
     for (std::uint32_t at = pencil.start[bins.of(found.low)]; at < until; ++at) {
       const std::uint32_t k = pencil.entry[at];
       const double u = search.second.u[k], v = search.second.v[k];
-      if (!found.near(u, v, reach_px) || search.second.settled[k] != 0) continue;
+      if (!found.near(u, v, reach_px)) continue;
       double t = found.major == 0 ? line.depth(0, u) : line.depth(1, v);
       if (!found.in_depths(t, sight)) continue;
+      ++near;
+      if (search.second.settled[k] != 0) continue;
       if (search.wander_px <= kNoWander_px || meets(search, sight, k, t)) append(out, i, k, t);
     }
+    if (out.totals != nullptr) atomicAdd(&out.totals->pairs, near);
   }
 }
 

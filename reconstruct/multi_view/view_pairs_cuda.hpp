@@ -6,6 +6,7 @@
 
 #include "reconstruct/multi_view/pencil_kernel.hpp"
 #include "reconstruct/multi_view/seen_views_cuda.hpp"
+#include "reconstruct/multi_view/view_tuples_cuda.hpp"
 
 namespace rptv {
 
@@ -26,6 +27,7 @@ struct CudaPairs {
   double* depth_mm;               ///< on the first one's ray
   std::uint32_t* count;
   std::uint32_t capacity;
+  CudaMatchCounts* totals = nullptr;  ///< null, or where rays and pairs are added up; settled ones count as pairs
 };
 
 /// Queues the search on `stream` (a cudaStream_t): what EpipolarPencil::visit_near() visits from every usable,

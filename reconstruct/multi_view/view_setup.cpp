@@ -71,6 +71,10 @@ CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t
           threads};
 }
 
+GhostOptions ghosts_of(const MultiViewSettings& settings, double tolerance_px) {
+  return {tolerance_px, settings.ghosts != "global", settings.ghosts == "views"};
+}
+
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume) {
   std::vector<ViewRays> rays;
   for (const RigCamera& camera : rig.cameras) rays.emplace_back(camera.model, volume, camera.name);

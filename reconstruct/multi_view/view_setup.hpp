@@ -11,6 +11,7 @@
 #include "core/image.hpp"
 #include "reconstruct/multi_view/correspondence.hpp"
 #include "reconstruct/multi_view/multi_view_settings.hpp"
+#include "reconstruct/multi_view/view_ghosts.hpp"
 #include "reconstruct/multi_view/view_rays.hpp"
 
 namespace rptv {
@@ -35,6 +36,9 @@ MultiViewSettings with_room(MultiViewSettings settings, const Rig& rig);
 
 /// How particle images are matched at first, by so many threads; max_matches is not 0.
 CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t threads);
+
+/// How particles are chosen among matches that agree within `tolerance_px`.
+GhostOptions ghosts_of(const MultiViewSettings& settings, double tolerance_px);
 
 /// Sight rays of every camera. Throws Error(configuration) for one that does not look into the volume.
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume);

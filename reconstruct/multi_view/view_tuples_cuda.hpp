@@ -22,11 +22,13 @@ struct CudaPoints {
   double *x, *y, *z, *s;  ///< capacity of the tuples each
 };
 
-/// What a frame set was too much for. On the device; the caller zeroes it.
+/// What a frame set was too much for, and how many rays were followed, pairs lie near them. On the device; the caller
+/// zeroes it.
 struct CudaMatchCounts {
   unsigned long long refused_hits;    ///< detections near one place beyond the first eight
   unsigned long long refused_pairs;   ///< beyond the room for pairs
   unsigned long long refused_tuples;  ///< beyond the room for tuples, or kMostOfAPair of one pair
+  unsigned long long rays, pairs;     ///< as CorrespondenceCounts
 };
 
 }  // namespace rptv

@@ -72,6 +72,19 @@ TEST(Backend, is_the_gpu_for_several_cameras_with_detectors_that_it_has) {
   EXPECT_TRUE(choose_backend(config, kGpu).device);
 }
 
+TEST(Backend, of_several_cameras_matches_on_the_cpu_where_the_device_chooses_otherwise) {
+  Config config = with("cuda");
+  config.reconstruction.kind = "multi_view";
+  for (const std::string ghosts : {"global", "rank"}) {
+    config.multi_view.ghosts = ghosts;
+    Backend backend{true, "reconstructing on Some GPU"};
+    EXPECT_EQ(make_tried_device(config, MatchDevicePlan{config.multi_view, {}, {}, {}, {}}, backend), nullptr);
+    EXPECT_FALSE(backend.device);
+    EXPECT_EQ(backend.text,
+              "matching on the CPU: multi_view.ghosts = \"" + ghosts + "\", and the device does \"views\"");
+  }
+}
+
 TEST(Backend, is_the_gpu_after_a_trial_that_it_won_or_where_it_must_be_used) {
   const DeviceTrial won{"", 2.5, 1.25}, lost{"", 0.5, 1.25};
   const Backend faster = judge(with("auto"), "Some GPU", won, kWork);

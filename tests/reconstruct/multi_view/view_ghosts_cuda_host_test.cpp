@@ -98,15 +98,25 @@ std::vector<std::uint32_t> in_order(const std::vector<ViewMatch>& matches) {
   return chosen;
 }
 
+std::vector<std::uint32_t> of_the_cpu(const std::vector<ViewMatch>& matches, bool most_views_first) {
+  ViewGhosts ranks(kViews, kMostDetections, 200, {1, true, most_views_first});
+  const auto by_rank = ranks.choose(matches);
+  std::vector<std::uint32_t> chosen(by_rank.begin(), by_rank.end());
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
 RC_GTEST_PROP(ViewGhostsCuda, choose_what_the_seeds_ranking_does, ()) {
   std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
   const auto matches = random_matches(random, *rc::gen::inRange<std::size_t>(0, 150), *rc::gen::inRange(1U, 60U), 0);
-  ViewGhosts ranks(kViews, kMostDetections, 200, {1, true});
-  const auto by_rank = ranks.choose(matches);
-  std::vector<std::uint32_t> expected(by_rank.begin(), by_rank.end());
-  std::sort(expected.begin(), expected.end());
   cuda_host::set_schedule_seed(*rc::gen::inRange(0U, 9U));
-  RC_ASSERT(Choice(matches).run(CudaRank::by_s, *rc::gen::element(32U, 96U, 256U)) == expected);
+  RC_ASSERT(Choice(matches).run(CudaRank::by_s, *rc::gen::element(32U, 96U, 256U)) == of_the_cpu(matches, false));
+}
+
+RC_GTEST_PROP(ViewGhosts, choose_by_views_then_s_what_a_plain_loop_does, ()) {
+  std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
+  const auto matches = random_matches(random, *rc::gen::inRange<std::size_t>(0, 150), *rc::gen::inRange(1U, 60U), 0);
+  RC_ASSERT(of_the_cpu(matches, true) == in_order(matches));
 }
 
 RC_GTEST_PROP(ViewGhostsCuda, choose_by_views_then_s_then_detections_what_a_plain_loop_does, ()) {
