@@ -13,9 +13,9 @@ int main(int argc, char** argv) {
     constexpr rptv::AddCommand kLink[] = {rptv::add_link};
     return rptv::run_command_line(argc, argv, kLink);
   }
-  // OpenMP's workers would spin between frames, on cores that the other stages need: some microseconds, from one loop
-  // of a frame to the next, are enough. The runtime reads its environment only while it is loaded.
+  // OpenMP's workers would spin between frames, on cores that the other stages need: some 0.1 ms, from one loop of
+  // a frame to the next, are enough. The runtime reads its environment only while it is loaded.
   setenv("OMP_WAIT_POLICY", "passive", 0);
-  setenv("GOMP_SPINCOUNT", "3000", 0);
+  setenv("GOMP_SPINCOUNT", "10000", 0);
   return rptv::start_program(command == "calibrate" ? "rapidptv-calibrate" : "rapidptv-daemon", argv);
 }

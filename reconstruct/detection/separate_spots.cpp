@@ -37,17 +37,18 @@ std::span<const Spot> SeparateSpots::separate(const GreyOverBackground<Pixel>& g
 
 template <class Pixel>
 void SeparateSpots::place_squares(const GreyOverBackground<Pixel>& grey, std::span<const PixelIndex> maxima) noexcept {
+  constexpr std::size_t kAhead = 12;  // maxima lie in rows that may have left the nearest caches since they were found
   spots_.clear();
-  for (const PixelIndex maximum : maxima) {
-    Spot spot;
+  for (std::size_t i = 0; i < maxima.size(); ++i) {
+    if (i + kAhead < maxima.size()) grey.prefetch_square(maxima[i + kAhead], radius_);
+    const PixelIndex maximum = maxima[i];
+    Spot& spot = spots_.emplace_back();
     spot.middle = maximum;
-    if (grey.saturated(grey.index(maximum.x, maximum.y))) {
-      const Plateau plateau = plateau_of(grey, maximum.x, maximum.y);
-      spot.plateau_x = plateau.x, spot.plateau_y = plateau.y, spot.plateau_rows = plateau.rows;
-      spot.middle = {static_cast<std::int32_t>(std::lround(plateau.x)),
-                     static_cast<std::int32_t>(std::lround(plateau.y))};
-    }
-    spots_.push_back(spot);
+    if (!grey.saturated(grey.index(maximum.x, maximum.y))) continue;
+    const Plateau plateau = plateau_of(grey, maximum.x, maximum.y);
+    spot.plateau_x = plateau.x, spot.plateau_y = plateau.y, spot.plateau_rows = plateau.rows;
+    spot.middle = {static_cast<std::int32_t>(std::lround(plateau.x)),
+                   static_cast<std::int32_t>(std::lround(plateau.y))};
   }
 }
 

@@ -85,7 +85,7 @@ void SpotFinder::fit(std::size_t lanes) noexcept {
   find_spot_centres(batch_, options_, centres_, set_);
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     const auto& [spot, lit, usable] = lanes_[lane];
-    FittedSpot fitted;
+    FittedSpot& fitted = fitted_.emplace_back();
     fitted.start = spot->middle;
     fitted.x_px = spot->middle.x + static_cast<double>(centres_.x[lane]);
     fitted.y_px = spot->middle.y + static_cast<double>(centres_.y[lane]);
@@ -98,7 +98,6 @@ void SpotFinder::fit(std::size_t lanes) noexcept {
       fitted.variance_px2 = static_cast<float>(1 / (24 * spot->plateau_rows));
       fitted.bend = 0;
     }
-    fitted_.push_back(fitted);
   }
 }
 

@@ -151,14 +151,19 @@ std::size_t SpotOverlaps::untangle(const GreyOverBackground<Pixel>& grey, std::v
   for (std::uint32_t i = 0; i < spots.size(); ++i)
     if (spots[i].crowded) crowded_.push_back(i);
   std::size_t left = 0;
+  auto fitted = static_cast<std::ptrdiff_t>(spots.size());  // without hidden ones that were only just found
   for (int search = 0;; ++search) {
     if (!neighbours_.find(spots, static_cast<std::int32_t>(options_.radius))) {
       left = crowded_.size();
+      if (search == 0) return left;
+      spots.erase(spots.begin() + fitted, spots.end());
+      std::erase_if(crowded_, [&](std::uint32_t i) { return i >= spots.size(); });
       break;
     }
     std::int64_t done = 0;
     while (done < sweeps_ && sweep(grey, spots) > 0) ++done;
     remove_false(spots);
+    fitted = static_cast<std::ptrdiff_t>(spots.size());
     if (!find_hidden_ || search == kSearches || find_hidden(grey, spots) == 0) break;
   }
   widen_errors(spots);

@@ -3,7 +3,6 @@
 #include "reconstruct/multi_view/multi_view.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 #include "reconstruct/detection/detector.hpp"
@@ -14,6 +13,19 @@
 #include "reconstruct/parallel.hpp"
 
 namespace rptv {
+
+namespace {
+
+/// Best first: many views, then small residuals.
+struct Rank {
+  double support, residual_mm;
+  std::uint32_t particle;
+  bool operator<(const Rank& other) const noexcept {
+    return std::tuple(-support, residual_mm, particle) < std::tuple(-other.support, other.residual_mm, other.particle);
+  }
+};
+
+}  // namespace
 
 struct MultiView::Stages {
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
@@ -56,7 +68,7 @@ struct MultiView::Stages {
   std::vector<std::uint32_t> chosen;
   std::vector<ViewTuple> partial;
   std::vector<Particle> particles;
-  std::vector<std::uint32_t> order;
+  std::vector<Rank> order;
   MultiViewCounts counts;
   ViewObserver* observer = nullptr;
 };
@@ -90,16 +102,13 @@ void MultiView::Stages::write(std::span<const ViewMatch> matches, std::span<cons
     for (std::size_t i = part * kPart; i < std::min((part + 1) * kPart, chosen.size()); ++i) {
       particles[i] = fit_views(correspondence.views(), lists, matches[chosen[i]], settings.calibration_px);
       particles[i].ghost = chance.of(matches[chosen[i]]);
+      order[i] = {particles[i].support, particles[i].residual_mm, static_cast<std::uint32_t>(i)};
     }
   });
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [this](std::uint32_t i, std::uint32_t k) {
-    const Particle &a = particles[i], &b = particles[k];
-    return std::tuple(-a.support, a.residual_mm, i) < std::tuple(-b.support, b.residual_mm, k);
-  });
+  std::sort(order.begin(), order.end());
   const Point3 centre = volume.centre();
-  for (const std::uint32_t i : order) {
-    Particle& particle = particles[i];
+  for (const Rank& rank : order) {
+    Particle& particle = particles[rank.particle];
     particle.x_mm += centre[0], particle.y_mm += centre[1], particle.z_mm += centre[2];
     out.push(particle);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace rptv {
 
@@ -25,6 +26,7 @@ ViewGhosts::ViewGhosts(std::size_t views, std::size_t max_detections, std::size_
     : views_(views),
       options_(options),
       parent_(max_matches),
+      next_(max_matches),
       order_(max_matches),
       weight_(max_matches),
       rest_(max_matches + 1) {
@@ -57,10 +59,10 @@ std::uint32_t ViewGhosts::root(std::uint32_t number) noexcept {
   return number;
 }
 
-// Union of all that share a detection; then the matches in order of their groups.
+// Union of all that share a detection.
 void ViewGhosts::group(std::span<const ViewMatch> matches) noexcept {
   for (std::uint32_t m = 0; m < matches.size(); ++m) {
-    parent_[m] = m;
+    parent_[m] = m, next_[m] = kUnseen;
     for (std::size_t v = 0; v < views_; ++v)
       if (matches[m].tuple.detection[v] != kUnseen) owner_[v][matches[m].tuple.detection[v]] = m;
   }
@@ -80,14 +82,30 @@ std::span<const std::uint32_t> ViewGhosts::choose(std::span<const ViewMatch> mat
     return chosen_;
   }
   group(matches);
-  for (std::uint32_t m = 0; m < matches.size(); ++m) parent_[m] = root(m);
-  std::sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(matches.size()),
-            [&](auto a, auto b) { return std::pair(parent_[a], a) < std::pair(parent_[b], b); });
-  for (std::size_t first = 0, last; first < matches.size(); first = last) {
-    for (last = first + 1; last < matches.size() && parent_[order_[last]] == parent_[order_[first]];) ++last;
-    choose_in(matches, std::span(order_).subspan(first, last - first));
+  // A group's root is its first match: groups come in order of their firsts, their members in order.
+  for (auto m = static_cast<std::uint32_t>(matches.size()); m-- > 0;) {
+    const std::uint32_t first = root(m);
+    if (first != m) next_[m] = std::exchange(next_[first], m);
+  }
+  for (std::uint32_t first = 0; first < matches.size(); ++first) {
+    if (parent_[first] != first) continue;
+    if (next_[first] == kUnseen) {
+      choose_alone(matches, first);
+      continue;
+    }
+    std::size_t rivals = 0;
+    for (std::uint32_t m = first; m != kUnseen; m = next_[m]) order_[rivals++] = m;
+    choose_in(matches, std::span(order_).first(rivals));
   }
   return chosen_;
+}
+
+// What choose_in() makes of one without rivals.
+void ViewGhosts::choose_alone(std::span<const ViewMatch> matches, std::uint32_t match) noexcept {
+  if (weight_[match] <= 0 || !free(matches[match].tuple)) return;
+  mark(matches[match].tuple, 1);
+  chosen_.push_back(match);
+  counts_.weight += weight_[match], counts_.most_weight += weight_[match];
 }
 
 void ViewGhosts::choose_by_rank(std::span<const ViewMatch> matches) noexcept {

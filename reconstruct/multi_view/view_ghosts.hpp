@@ -46,14 +46,15 @@ class ViewGhosts {
   std::uint32_t root(std::uint32_t number) noexcept;
   void group(std::span<const ViewMatch> matches) noexcept;
   void choose_by_rank(std::span<const ViewMatch> matches) noexcept;
+  void choose_alone(std::span<const ViewMatch> matches, std::uint32_t match) noexcept;
   void choose_in(std::span<const ViewMatch> matches, std::span<std::uint32_t> rivals) noexcept;
   void branch(std::size_t first, double sum) noexcept;
 
   std::size_t views_;
   GhostOptions options_;
   std::array<std::vector<std::uint8_t>, kMaxViews> used_;
-  std::array<std::vector<std::uint32_t>, kMaxViews> owner_;  ///< a match of each detection
-  std::vector<std::uint32_t> parent_, order_, chosen_;
+  std::array<std::vector<std::uint32_t>, kMaxViews> owner_;    ///< a match of each detection
+  std::vector<std::uint32_t> parent_, next_, order_, chosen_;  ///< next_: of the same group, or kUnseen
   std::vector<double> weight_;
 
   // Of the group in branch(): its matches, those of the same first detection adjacent.

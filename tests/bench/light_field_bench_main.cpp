@@ -29,7 +29,7 @@ constexpr Table kTables[]{
 void let_openmp_sleep(char** argv) {
   if (getenv("OMP_WAIT_POLICY") != nullptr) return;
   setenv("OMP_WAIT_POLICY", "passive", 1);
-  setenv("GOMP_SPINCOUNT", "3000", 0);
+  setenv("GOMP_SPINCOUNT", "10000", 0);
   execv("/proc/self/exe", argv);
 }
 

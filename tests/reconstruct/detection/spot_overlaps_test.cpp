@@ -105,5 +105,24 @@ TEST(SpotOverlaps, beyond_the_limit_are_left_and_counted_and_cost_no_allocation)
   EXPECT_EQ(detector.counts().too_crowded, 0U);
 }
 
+TEST(SpotOverlaps, that_see_too_many_others_are_left_and_counted) {
+  const testing::Camera camera{{100, 100, 2}, 10, 2, 4, 65535};
+  std::vector<PaintedSpot> spots;  // light of each is seen 7 px away
+  for (int k = 0; k < 900; ++k) spots.push_back({6.0 + 3 * (k % 30), 6.0 + 3 * (k / 30), 1.2, 40000});
+  std::mt19937 random(1);
+  const SpotImage image(camera, spots, random);
+  auto settings = settings_with(0);
+  settings.radius_px = 3, settings.max_overlapping = 900;
+  Detections found(16384), as_without(16384);
+  Detector(settings, camera.shape).detect(image.view(), as_without);
+  settings.overlap_sweeps = 2;
+  Detector detector(settings, camera.shape);
+  detector.detect(image.view(), found);
+  EXPECT_GT(found.size(), 800U);
+  EXPECT_EQ(detector.counts().too_crowded, found.size());
+  EXPECT_EQ(found.x_px, as_without.x_px);
+  EXPECT_EQ(found.sigma_px, as_without.sigma_px);
+}
+
 }  // namespace
 }  // namespace rptv

@@ -6,6 +6,7 @@
 
 #include "calibration/light_field/object_map.hpp"
 #include "tests/core/allocation_counter.hpp"
+#include "tests/core/same_particles.hpp"
 #include "tests/reconstruct/light_field/small_scene.hpp"
 
 namespace rptv {
@@ -86,14 +87,6 @@ TEST(LightField, object_space_is_image_space_mapped) {
   }
 }
 
-void expect_equal(const Particles& a, const Particles& b) {
-  EXPECT_EQ(a.x_mm, b.x_mm);
-  EXPECT_EQ(a.y_mm, b.y_mm);
-  EXPECT_EQ(a.z_mm, b.z_mm);
-  EXPECT_EQ(a.support, b.support);
-  EXPECT_EQ(a.covariance_mm2, b.covariance_mm2);
-}
-
 TEST(LightField, gives_bit_identical_particles_with_any_number_of_threads_and_at_any_time) {
   const auto image = paint(scene(4)), other = paint(scene(5));
   auto settings = small_settings();
@@ -104,10 +97,10 @@ TEST(LightField, gives_bit_identical_particles_with_any_number_of_threads_and_at
   Particles a(512), b(512), c(512);
   one.reconstruct(image.view(), a);
   three.reconstruct(image.view(), b);
-  expect_equal(a, b);
+  testing::expect_same(a, b);
   three.reconstruct(other.view(), c);
   three.reconstruct(image.view(), c);
-  expect_equal(a, c);
+  testing::expect_same(a, c);
 }
 
 TEST(LightField, takes_a_background_away_and_8_bit_images) {
@@ -122,13 +115,13 @@ TEST(LightField, takes_a_background_away_and_8_bit_images) {
     image.pixels()[i] = static_cast<std::uint16_t>(image.pixels()[i] + background.pixels()[i]);
   }
   LightField(small_settings(), camera, background.view()).reconstruct(image.view(), bright);
-  expect_equal(plain, bright);
+  testing::expect_same(plain, bright);
   std::vector<std::uint8_t> bytes;
   auto dark_around = paint(truth);
   for (const auto pixel : dark_around.pixels()) bytes.push_back(static_cast<std::uint8_t>(pixel));
   LightField(small_settings(), camera, {})
       .reconstruct({reinterpret_cast<const std::byte*>(bytes.data()), {512, 384, 1}}, eight);
-  expect_equal(plain, eight);
+  testing::expect_same(plain, eight);
 }
 
 TEST(LightField, allocates_nothing_after_construction) {

@@ -6,6 +6,7 @@
 #include "reconstruct/detection/detect_cuda.hpp"
 #include "reconstruct/detection/detect_trial.hpp"
 #include "reconstruct/detection/detector.hpp"
+#include "tests/core/same_particles.hpp"
 #include "tests/cuda_host/control.hpp"
 #include "tests/reconstruct/multi_view/camera_frames.hpp"
 
@@ -54,12 +55,7 @@ class MultiViewOnTheDevice : public ::testing::Test {
     Particles of_a(200), of_b(200);
     a.reconstruct(frames_.set(), of_a), b.reconstruct(frames_.set(), of_b);
     EXPECT_GT(of_a.size(), 25U);
-    EXPECT_EQ(of_a.x_mm, of_b.x_mm);
-    EXPECT_EQ(of_a.y_mm, of_b.y_mm);
-    EXPECT_EQ(of_a.z_mm, of_b.z_mm);
-    EXPECT_EQ(of_a.support, of_b.support);
-    EXPECT_EQ(of_a.covariance_mm2, of_b.covariance_mm2);
-    EXPECT_EQ(of_a.ghost, of_b.ghost);
+    testing::expect_same(of_a, of_b);
   }
 
   testing::ViewScene scene_ = testing::make_scene(4, 40, 0);

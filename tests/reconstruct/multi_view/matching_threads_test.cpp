@@ -5,6 +5,7 @@
 
 #include "reconstruct/multi_view/multi_view.hpp"
 #include "tests/core/allocation_counter.hpp"
+#include "tests/core/same_particles.hpp"
 #include "tests/reconstruct/multi_view/made_views.hpp"
 
 namespace rptv {
@@ -105,13 +106,7 @@ TEST(MultiViewBySeveralThreads, finds_the_particles_that_one_thread_finds_and_al
     AllocationCounter counter;
     multi_view.reconstruct(scene.detections, found);
     EXPECT_EQ(counter.disarm(), 0U);  // always, where a sanitizer's allocator is not counted
-    EXPECT_EQ(found.x_mm, by_one.x_mm);
-    EXPECT_EQ(found.y_mm, by_one.y_mm);
-    EXPECT_EQ(found.z_mm, by_one.z_mm);
-    EXPECT_EQ(found.residual_mm, by_one.residual_mm);
-    EXPECT_EQ(found.support, by_one.support);
-    EXPECT_EQ(found.ghost, by_one.ghost);
-    EXPECT_EQ(found.covariance_mm2, by_one.covariance_mm2);
+    testing::expect_same(found, by_one);
   }
 }
 
