@@ -81,6 +81,9 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
                              counts.refused_candidates);
   if (counts.refused_particles > 0)
     std::cerr << fmt::format("{} particles were left out: raise light_field.max_particles\n", counts.refused_particles);
+  if (counts.device_unsure > 0)
+    std::cerr << fmt::format("{} times the CPU explained rays since the device was unsure; the results are the same\n",
+                             counts.device_unsure);
   if (counts.device_failed) std::cerr << "the device failed on the way; the CPU did the rest, with the same results\n";
 }
 
