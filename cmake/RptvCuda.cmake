@@ -35,8 +35,7 @@ function(rptv_ptx_test name)
     return()
   endif()
   cmake_parse_arguments(ARG "" "TEST;FILTER" "SOURCES" ${ARGN})
-  find_program(RPTV_NVCC nvcc PATHS /usr/local/cuda/bin /opt/cuda/bin DOC "CUDA compiler")
-  if(NOT RPTV_NVCC)
+  if(NOT RPTV_HAVE_CUDA)
     add_test(NAME ${name} COMMAND sh -c "echo 'skipped: PTX is made by nvcc, which is not here'; exit 77")
     set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
     return()
@@ -47,7 +46,7 @@ function(rptv_ptx_test name)
     set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_${file}.ptx)
     file(CONFIGURE OUTPUT ${file}.cu CONTENT "#include \"${source}\"\n")
     add_custom_command(OUTPUT ${file}
-      COMMAND ${RPTV_NVCC} -std=c++17 --fmad=false --expt-relaxed-constexpr -arch=compute_75 -ptx -I${PROJECT_SOURCE_DIR} -MD -MF ${file}.d -MT ${file}
+      COMMAND ${CMAKE_CUDA_COMPILER} -ccbin ${CMAKE_CUDA_HOST_COMPILER} -std=c++17 --fmad=false --expt-relaxed-constexpr -arch=compute_75 -ptx -I${PROJECT_SOURCE_DIR} -MD -MF ${file}.d -MT ${file}
         ${file}.cu -o ${file}
       DEPENDS ${PROJECT_SOURCE_DIR}/${source} DEPFILE ${file}.d COMMENT "PTX of ${source}" VERBATIM)
     list(APPEND files ${file})

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include "core/error.hpp"
+#include "reconstruct/detection/detect_cuda.hpp"
 #include "reconstruct/light_field/light_field_cuda.hpp"
+#include "reconstruct/parallel.hpp"
 
 namespace rptv {
 
@@ -14,8 +16,13 @@ namespace {
 /// Why this configuration cannot use a device; empty: it can.
 std::string obstacle(const Config& config, const CudaProbe& probe) {
   if (!probe.usable) return probe.text;
-  if (config.reconstruction.is_multi_view())
-    return "reconstruction.kind = \"multi_view\" runs on the CPU only in this version";
+  if (config.reconstruction.is_multi_view()) {
+    if (config.multi_view.method != "detections")
+      return fmt::format("multi_view.method = \"{}\" runs on the CPU only; the device does \"detections\"",
+                         config.multi_view.method);
+    const std::string setting = only_on_cpu(config.multi_view.detector);
+    return setting.empty() ? setting : "the device does not do multi_view." + setting;
+  }
   if (config.light_field.counting != "coarse_to_fine")
     return fmt::format("light_field.counting = \"{}\" runs on the CPU only; the device does \"coarse_to_fine\"",
                        config.light_field.counting);
@@ -31,6 +38,14 @@ const CudaProbe& this_machine() {
 
 }  // namespace
 
+std::string device_failure(std::uint64_t sets_without_device) {
+  return fmt::format(
+      "the GPU failed; the CPU has done {} frame sets alone since, with the same results: see nvidia-smi and the "
+      "kernel's "
+      "log, then start again",
+      sets_without_device);
+}
+
 Backend choose_backend(const Config& config, const CudaProbe& probe) {
   const std::string& wanted = config.reconstruction.backend;
   if (wanted == "cpu") return {false, "reconstructing on the CPU"};
@@ -45,7 +60,7 @@ Backend choose_backend(const Config& config) {
   return choose_backend(config, config.reconstruction.backend == "cpu" ? CudaProbe{} : this_machine());
 }
 
-Backend judge(const Config& config, const std::string& device, const DeviceTrial& trial) {
+Backend judge(const Config& config, const std::string& device, const DeviceTrial& trial, const std::string& work) {
   const bool must = config.reconstruction.backend == "cuda";
   if (!trial.differs.empty()) {
     const std::string wrong = fmt::format(
@@ -55,24 +70,42 @@ Backend judge(const Config& config, const std::string& device, const DeviceTrial
     throw Error(ExitCode::unavailable, "reconstruction.backend = \"cuda\": " + wrong);
   }
   if (must || trial.device_ms < trial.cpu_ms)
-    return {true, fmt::format("reconstructing on {}: {:.2f} ms to the candidates of a test image, the CPU takes {:.2f}",
-                              device, trial.device_ms, trial.cpu_ms)};
-  return on_the_cpu(fmt::format("{:.2f} ms to the candidates of a test image, {} takes {:.2f}", trial.cpu_ms, device,
-                                trial.device_ms));
+    return {true, fmt::format("reconstructing on {}: {:.2f} ms to {}, the CPU takes {:.2f}", device, trial.device_ms,
+                              work, trial.cpu_ms)};
+  return on_the_cpu(fmt::format("{:.2f} ms to {}, {} takes {:.2f}", trial.cpu_ms, work, device, trial.device_ms));
 }
 
-std::unique_ptr<LightFieldDevice> make_tried_device(const Config& config, const LightFieldDevicePlan& plan,
-                                                    Backend& backend) {
+namespace {
+
+/// make() and test() what was made; null, with the reason in `backend`, where it is not to be used.
+template <class Make, class Test>
+auto make_tried(const Config& config, Backend& backend, const std::string& work, const Make& make, const Test& test)
+    -> decltype(make()) {
   if (!backend.device) return nullptr;
   try {
-    auto device = make_light_field_cuda(plan);
-    backend = judge(config, this_machine().text, try_device(*device, plan));
+    auto device = make();
+    backend = judge(config, this_machine().text, test(*device), work);
     if (backend.device) return device;
   } catch (const Error& error) {
     if (config.reconstruction.backend == "cuda") throw;
     backend = on_the_cpu(error.what());
   }
   return nullptr;
+}
+
+}  // namespace
+
+std::unique_ptr<LightFieldDevice> make_tried_device(const Config& config, const LightFieldDevicePlan& plan,
+                                                    Backend& backend) {
+  return make_tried(
+      config, backend, "the particles of a test image", [&] { return make_light_field_cuda(plan); },
+      [&](LightFieldDevice& device) { return try_device(device, plan); });
+}
+
+std::unique_ptr<DetectDevice> make_tried_device(const Config& config, const DetectDevicePlan& plan, Backend& backend) {
+  return make_tried(
+      config, backend, "the particle images of a test frame set", [&] { return make_detect_cuda(plan); },
+      [&](DetectDevice& device) { return try_device(device, plan, thread_count(config.multi_view.threads)); });
 }
 
 }  // namespace rptv

@@ -39,7 +39,7 @@ class Checks {
     check("reconstruction", calibration_ok_ && source_ != nullptr, [&] {
       std::string where;
       const auto stage = make_reconstructor(*config_, source_->cameras(), &where);
-      for (std::string& line : doubts_of_first_instant(*config_, *stage)) warn("reconstruction", std::move(line));
+      for (std::string& line : doubts_of_first_instant(*config_)) warn("reconstruction", std::move(line));
       return fmt::format("room for {} particles a frame; {}", config_->max_particles(), where);
     });
     check("publisher", config_.has_value(), [&] { return publisher(); });

@@ -12,7 +12,8 @@
 #include <cmath>
 
 #include "core/clock.hpp"
-#include "reconstruct/multi_view/multi_view.hpp"
+#include "daemon/blind_views.hpp"
+#include "reconstruct/multi_view/view_setup.hpp"
 
 namespace rptv {
 namespace {
@@ -54,11 +55,21 @@ DriftMonitor::~DriftMonitor() {
   thread_.join();
 }
 
+bool DriftMonitor::wants() noexcept {
+  // acquire, pairs with run(): the monitor has done with the sample that see() is about to write over.
+  const bool wanted = wanted_.load(std::memory_order_acquire);
+  if (!wanted) passed_over_.fetch_add(1, std::memory_order_relaxed);
+  return wanted;
+}
+
 void DriftMonitor::see(std::span<const Detections> views) noexcept {
-  const bool fits = std::all_of(views.begin(), views.end(),
-                                [this](const Detections& seen) { return seen.size() <= options_.most_detections; });
-  // acquire, pairs with run(): the monitor has done with the sample that we are about to write over.
-  if (!wanted_.load(std::memory_order_acquire) || !fits) {
+  const std::uint32_t blind = blind_views(views);
+  for (std::size_t c = 0; c < views.size(); ++c)
+    if ((blind >> c & 1U) != 0) dark_[c].fetch_add(1, std::memory_order_relaxed);
+  shown_.fetch_add(1, std::memory_order_relaxed);
+  if (!wants()) return;
+  if (std::any_of(views.begin(), views.end(),
+                  [this](const Detections& seen) { return seen.size() > options_.most_detections; })) {
     passed_over_.fetch_add(1, std::memory_order_relaxed);
     return;
   }
@@ -127,7 +138,21 @@ std::string DriftMonitor::warning(const DriftReport& drift) const {
       drift.cameras.size() > kLeastCameras ? "" : "or another of the three ", options_.rig_file);
 }
 
+void DriftMonitor::tell_blind(StatusReport& status) {
+  const std::uint64_t shown = shown_.exchange(0, std::memory_order_relaxed);
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+    const std::uint32_t bit = 1U << c;
+    const std::uint64_t dark = dark_[c].exchange(0, std::memory_order_relaxed);
+    const bool was = (blind_ & bit) != 0, is = shown > 0 ? 2 * dark > shown : was;
+    blind_ = is ? blind_ | bit : blind_ & ~bit;
+    if (!is) continue;
+    status.warnings.push_back(blind_warning(rig_.cameras[c].name));
+    if (!was) spdlog::warn("{}", status.warnings.back());
+  }
+}
+
 void DriftMonitor::tell(StatusReport& status) {
+  tell_blind(status);
   found_.refresh();
   status.drift = found_.front();
   status.drift.watched = true;
@@ -141,7 +166,7 @@ void DriftMonitor::tell(StatusReport& status) {
 std::unique_ptr<DriftMonitor> make_drift_monitor(const Config& config, const std::vector<CameraInfo>& cameras,
                                                  Reconstructor& reconstructor) {
   const MultiViewSettings& settings = config.multi_view;
-  auto* views = dynamic_cast<MultiView*>(&reconstructor);
+  auto* views = dynamic_cast<ObservableViews*>(&reconstructor);
   if (views == nullptr || settings.drift_alarm_px == 0 || cameras.size() < kLeastCameras) return nullptr;
   std::vector<MultiViewCamera> seen;
   for (const CameraInfo& camera : cameras) seen.push_back({camera.name, camera.shape, {}});
@@ -149,7 +174,7 @@ std::unique_ptr<DriftMonitor> make_drift_monitor(const Config& config, const std
                              static_cast<std::size_t>(settings.detector.max_detections), settings.rig};
   auto monitor = std::make_unique<DriftMonitor>(choose_cameras(settings, read_rig(settings.rig), seen), views->rays(),
                                                 views->volume(), options);
-  views->show_to(*monitor);
+  views->show_to(monitor.get());
   return monitor;
 }
 

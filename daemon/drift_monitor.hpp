@@ -2,6 +2,7 @@
 // Watches, beside the tracking, whether the cameras of a rig still look where its calibration says.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -45,9 +46,12 @@ class DriftMonitor final : public ViewObserver {
 
   /// Reconstructing thread. A copy when one is wanted, otherwise counted as passed over; never waits, never allocates.
   void see(std::span<const Detections> views) noexcept override;
+  /// Reconstructing thread. Counts a frame set as passed over where it says no.
+  bool wants() noexcept override;
 
-  /// Adds what is known, and a warning that names the camera with the largest disparity when that is beyond alarm_px.
-  /// The others' are left out of it: triangulation spreads one camera's error over all. One thread.
+  /// Adds what is known; a warning for each camera that was blind (blind_views) in more than half of the frame sets
+  /// shown since the last call that had any; and a warning that names the camera with the largest disparity when that
+  /// is beyond alarm_px. The others' are left out of it: triangulation spreads one camera's error over all. One thread.
   void tell(StatusReport& status);
 
  private:
@@ -55,6 +59,7 @@ class DriftMonitor final : public ViewObserver {
   void take() noexcept;
   void look();
   std::string warning(const DriftReport& drift) const;
+  void tell_blind(StatusReport& status);
 
   const Rig rig_;
   const std::vector<ViewRays> rays_;
@@ -66,14 +71,17 @@ class DriftMonitor final : public ViewObserver {
   TripleBuffer<DriftReport> found_{{}};      // looked_at and cameras
   std::uint64_t looked_at_ = 0, taken_ = 0;  // the monitor's thread only
   bool warned_ = false;                      // tell()'s thread only
+  std::uint32_t blind_ = 0;                  // the same: cameras that were when last told
   std::atomic<std::uint64_t> passed_over_{0};
+  std::atomic<std::uint64_t> shown_{0};                         // since tell() asked
+  std::array<std::atomic<std::uint64_t>, kMaxCameras> dark_{};  // of them, by camera
   std::atomic<bool> wanted_{true}, ending_{false};
   Wake wake_;
   std::thread thread_;
 };
 
-/// For a reconstruction that shows its detections (multi_view.method "detections"), three cameras or more and
-/// multi_view.drift_alarm_px > 0; else null. It must outlive the reconstruction's last frame. Throws Error.
+/// For a reconstruction from three views or more and multi_view.drift_alarm_px > 0; else null. It must outlive the
+/// reconstruction's last frame. Throws Error.
 std::unique_ptr<DriftMonitor> make_drift_monitor(const Config& config, const std::vector<CameraInfo>& cameras,
                                                  Reconstructor& reconstructor);
 

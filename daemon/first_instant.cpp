@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Grey values of each camera's first image, and how many particle images become particles.
+// Names, grey values of each camera's first image, and how many particle images become particles.
 #include "daemon/first_instant.hpp"
 
 #include <fmt/format.h>
@@ -7,16 +7,17 @@
 #include <algorithm>
 #include <deque>
 
-#include "reconstruct/multi_view/multi_view.hpp"
+#include "calibration/cameras/rig.hpp"
+#include "daemon/instants.hpp"
+#include "daemon/meeting_views.hpp"
+#include "daemon/session.hpp"
 #include "replay/image_sequence.hpp"
 
 namespace rptv {
 
 namespace {
 
-constexpr double kBlinded = 0.5;           // of the pixels
-constexpr std::size_t kEnoughImages = 20;  // of particles, to expect that some meet
-constexpr double kFewMeet = 0.1;           // of them
+constexpr double kBlinded = 0.5;  // of the pixels
 
 template <class Pixel>
 std::string doubt_of(const ImageSequence& camera, const Pixel* pixels) {
@@ -36,47 +37,51 @@ std::string doubt_of(const ImageSequence& camera, const Pixel* pixels) {
   return {};
 }
 
-/// Empty where enough of them meet, or there are too few to tell.
-std::string doubt_of(const MultiView& stage, std::size_t particles, std::size_t min_views) {
-  std::vector<std::size_t> seen;
-  for (const Detections& detections : stage.detections()) seen.push_back(detections.size());
-  std::sort(seen.rbegin(), seen.rend());
-  const std::size_t most = seen[min_views - 1];  // particles that there may be
-  if (most < kEnoughImages || static_cast<double>(particles) >= kFewMeet * static_cast<double>(most)) return {};
-  return fmt::format(
-      "{} cameras see {} and more particle images in the first instant, and {} sets of them meet in space: are cameras "
-      "swapped, or have they moved since the calibration? Compare their names with the rig's, calibrate again, or "
-      "raise "
-      "multi_view.tolerance_px",
-      min_views, most, particles);
+/// The rig's cameras that `cameras` lack.
+std::vector<std::string> doubts_of_names(const Config& config, const std::vector<CameraInfo>& cameras) {
+  std::vector<std::string> doubts;
+  for (const RigCamera& known : read_rig(config.multi_view.rig).cameras)
+    if (std::none_of(cameras.begin(), cameras.end(), [&](const CameraInfo& c) { return c.name == known.name; }))
+      doubts.push_back(
+          fmt::format("camera '{}' of {} has no images in {}: the run goes on with {}; add its images, or "
+                      "name its folder as the rig does",
+                      known.name, config.multi_view.rig, config.replay.path, cameras.size()));
+  return doubts;
+}
+
+std::string doubt_of_meeting(const Config& config, const std::vector<CameraInfo>& cameras, const FrameSet& set) {
+  Config plain = config;
+  plain.multi_view.method = "detections", plain.reconstruction.backend = "cpu";
+  const auto stage = make_reconstructor(plain, cameras);
+  Particles found(plain.max_particles());
+  stage->reconstruct(set, found);
+  return doubt_of(meeting_of(dynamic_cast<MultiView&>(*stage), plain, cameras), plain, cameras);
 }
 
 }  // namespace
 
-std::vector<std::string> doubts_of_first_instant(const Config& config, Reconstructor& stage) {
-  std::vector<std::string> doubts;
-  if (config.source.is_live() || !config.reconstruction.is_multi_view()) return doubts;
-  const auto cameras = open_cameras(config.replay.path, config.replay.pattern);
+std::vector<std::string> doubts_of_first_instant(const Config& config) {
+  if (config.source.is_live() || !config.reconstruction.is_multi_view()) return {};
+  const auto sequences = open_cameras(config.replay.path, config.replay.pattern);
+  const auto cameras = infos_of(sequences);
+  std::vector<std::string> doubts = doubts_of_names(config, cameras);
+  const std::size_t by_name = doubts.size();
   std::deque<FramePool> pools;
   FrameSet set;
   bool one_instant = true;
-  for (const ImageSequence& camera : cameras) {
+  for (const ImageSequence& camera : sequences) {
     Frame& frame = set.frames[set.cameras++];
     frame.shape = camera.shape();
     frame.lease = pools.emplace_back(1, frame.shape.bytes()).claim();
     ImageSequence::Reader(camera).decode(0, {frame.lease.get(), frame.shape.bytes()});
-    one_instant = one_instant && camera.number(0) == cameras.front().number(0);
+    one_instant = one_instant && camera.number(0) == sequences.front().number(0);
     const ImageView image = frame.view();
     std::string doubt =
         frame.shape.bytes_per_pixel == 1 ? doubt_of(camera, image.as_u8()) : doubt_of(camera, image.as_u16());
     if (!doubt.empty()) doubts.push_back(std::move(doubt));
   }
-  if (const auto* views = dynamic_cast<const MultiView*>(&stage); views != nullptr && one_instant && doubts.empty()) {
-    Particles found(config.max_particles());
-    stage.reconstruct(set, found);
-    std::string doubt = doubt_of(*views, found.size(), static_cast<std::size_t>(config.multi_view.min_views));
-    if (!doubt.empty()) doubts.push_back(std::move(doubt));
-  }
+  if (!one_instant || doubts.size() > by_name) return doubts;
+  if (std::string doubt = doubt_of_meeting(config, cameras, set); !doubt.empty()) doubts.push_back(std::move(doubt));
   return doubts;
 }
 

@@ -64,6 +64,7 @@ class Pipeline {
   ClockSkew skew(std::uint32_t camera) const noexcept { return intake_.skew(camera); }
   const Losses& stage_losses() const noexcept { return losses_; }
   const Losses& reconstruction_losses() const noexcept { return reconstructor_->losses(); }
+  std::uint64_t sets_without_device() const noexcept { return reconstructor_->sets_without_device(); }
   const Source& source() const noexcept { return *source_; }
   const Linker& linker() const noexcept { return linker_; }  ///< its counters: after stop()
 

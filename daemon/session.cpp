@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
+
+#include "daemon/backend.hpp"
 
 namespace rptv {
 namespace {
@@ -95,6 +98,7 @@ void Session::fill_status(StatusReport& status) {
   append_all_losses(status.losses);
   status.cameras = camera_reports();
   if (drift_) drift_->tell(status);
+  if (pipeline_->sets_without_device() > 0) fill_device_failure(status);
   if (!sync_warning_.empty()) status.warnings.push_back(sync_warning_);
   if (flowing_.load() && !finished()) fill_silence(status, now_ns);
 }
@@ -115,6 +119,11 @@ std::vector<CameraReport> Session::camera_reports() const {
                        pipeline_->skew(c)});
   }
   return reports;
+}
+
+void Session::fill_device_failure(StatusReport& status) {
+  status.warnings.push_back(device_failure(pipeline_->sets_without_device()));
+  if (!std::exchange(device_failure_told_, true)) spdlog::warn("{}", status.warnings.back());
 }
 
 void Session::fill_silence(StatusReport& status, std::int64_t now_ns) {
@@ -149,6 +158,7 @@ SessionReport Session::report() const {
   for (std::size_t i = 0; i < kStageCount; ++i) report.latency[i] = summary_of(publisher_->latency()[i]);
   report.elapsed_s = seconds(stopped_ns_ - started_ns_);
   report.cameras = last_cameras_;
+  report.sets_without_device = pipeline_->sets_without_device();
   report.source_failure = source_failure();
   return report;
 }

@@ -24,6 +24,7 @@ struct SessionReport {
   std::vector<CameraReport> cameras;                  ///< those that are devices, as they were when the run was stopped
   std::array<LatencySummary, kStageCount> latency{};  ///< exposure end to each stage, as published
   double elapsed_s = 0;
+  std::uint64_t sets_without_device = 0;  ///< done by the CPU after a GPU failed
   std::string source_failure;
 };
 
@@ -57,6 +58,7 @@ class Session {
 
  private:
   void fill_status(StatusReport& status);
+  void fill_device_failure(StatusReport& status);
   void fill_silence(StatusReport& status, std::int64_t now_ns);
   std::vector<CameraReport> camera_reports() const;
   void append_all_losses(std::vector<LossCount>& out) const;
@@ -68,6 +70,7 @@ class Session {
   std::unique_ptr<SilenceAlarm> alarm_;  // publisher's thread only
   std::atomic<bool> flowing_{false};     // between start() and stop()
   std::unique_ptr<DriftMonitor> drift_;  // null where nobody watches
+  bool device_failure_told_ = false;     // publisher's thread only
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<ResultWriter> writer_;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/json.hpp"
+#include "daemon/backend.hpp"
+#include "daemon/loss_advice.hpp"
 #include "daemon/session.hpp"
 
 namespace rptv {
@@ -26,9 +28,13 @@ std::string to_text(const SessionReport& report) {
                     milliseconds(l.p50_ns), milliseconds(l.p99_ns), milliseconds(l.p999_ns), milliseconds(l.max_ns));
   }
   if (report.losses.empty()) text += "losses: none\n";
-  for (const LossCount& loss : report.losses)
-    text += fmt::format("lost: {} × {} at {}\n", loss.count, name_of(loss.cause), loss.place);
+  for (const LossCount& loss : report.losses) {
+    const std::string_view advice = advice_on(loss.cause);
+    text += fmt::format("lost: {} × {} at {}{}{}\n", loss.count, name_of(loss.cause), loss.place,
+                        advice.empty() ? "" : ": ", advice);
+  }
   for (const CameraReport& camera : report.cameras) text += to_line(camera) + "\n";
+  if (report.sets_without_device > 0) text += device_failure(report.sets_without_device) + "\n";
   if (!report.source_failure.empty()) text += "source failed: " + report.source_failure + "\n";
   return text;
 }
@@ -51,7 +57,8 @@ std::string to_json(const SessionReport& report) {
   }
   json += R"(],"cameras":[)";
   for (std::size_t i = 0; i < report.cameras.size(); ++i) json += (i > 0 ? "," : "") + to_json(report.cameras[i]);
-  return json + R"(],"source_failure":)" + json_string(report.source_failure) + "}";
+  return json + fmt::format(R"(],"sets_without_device":{},"source_failure":{}}})", report.sets_without_device,
+                            json_string(report.source_failure));
 }
 
 }  // namespace rptv

@@ -102,7 +102,8 @@ std::unique_ptr<Reconstructor> make_light_field(const Config& config, const std:
   });
 }
 
-std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::vector<CameraInfo>& cameras) {
+std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::vector<CameraInfo>& cameras,
+                                               Backend& backend) {
   const MultiViewSettings& settings = config.multi_view;
   if (settings.rig.empty())
     throw Error(ExitCode::configuration,
@@ -119,7 +120,9 @@ std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::
     views.push_back({cameras[c].name, cameras[c].shape, backgrounds.back().view()});
   }
   if (settings.method == "iterative") return std::make_unique<IterativeViews>(settings, read_rig(settings.rig), views);
-  return std::make_unique<MultiView>(settings, read_rig(settings.rig), views);
+  return std::make_unique<MultiView>(settings, read_rig(settings.rig), views, [&](const DetectDevicePlan& plan) {
+    return make_tried_device(config, plan, backend);
+  });
 }
 
 }  // namespace
@@ -127,7 +130,7 @@ std::unique_ptr<Reconstructor> make_multi_view(const Config& config, const std::
 std::unique_ptr<Reconstructor> make_reconstructor(const Config& config, const std::vector<CameraInfo>& cameras,
                                                   std::string* where) {
   Backend backend = choose_backend(config);
-  auto reconstructor = config.reconstruction.is_multi_view() ? make_multi_view(config, cameras)
+  auto reconstructor = config.reconstruction.is_multi_view() ? make_multi_view(config, cameras, backend)
                                                              : make_light_field(config, cameras, backend);
   if (where != nullptr) *where = backend.text;
   return reconstructor;

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The one loop over threads of the CPU backend: OpenMP where the compiler has it, else the calling thread alone.
+// The one loop over threads of the CPU backend: OpenMP where the compiler has it, else the calling thread alone; under
+// ThreadSanitizer, which does not understand OpenMP, threads that are begun for the loop.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #if defined(_OPENMP)
 #include <omp.h>
+#elif defined(__SANITIZE_THREAD__)
+#include <atomic>
+#include <thread>
+#include <vector>
 #endif
 
 namespace rptv {
@@ -28,6 +33,17 @@ void parallel_for(std::size_t count, std::size_t threads, const Work& work) noex
   if (threads > 1 && count > 1) {
 #pragma omp parallel for num_threads(static_cast <int>(threads)) schedule(dynamic, 1)
     for (std::size_t item = 0; item < count; ++item) work(item, static_cast<std::size_t>(omp_get_thread_num()));
+    return;
+  }
+#elif defined(__SANITIZE_THREAD__)
+  if (threads > 1 && count > 1) {
+    std::atomic<std::size_t> next{0};
+    const auto share = [&](std::size_t thread) {
+      for (std::size_t item; (item = next.fetch_add(1, std::memory_order_relaxed)) < count;) work(item, thread);
+    };
+    std::vector<std::jthread> others;
+    for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(share, thread);
+    share(0);
     return;
   }
 #endif

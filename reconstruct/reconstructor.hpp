@@ -2,7 +2,9 @@
 // The seam between frames and particles: light field and multi-view, CPU and CUDA, implement this.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "core/frame.hpp"
@@ -37,12 +39,17 @@ class Reconstructor {
 
   /// What was left out since construction; particles that `out` had no room for are not in it. Any thread.
   const Losses& losses() const noexcept { return losses_; }
+  /// Frame sets that the CPU did alone since a GPU in use failed, with the same results; 0: none has. Any thread.
+  std::uint64_t sets_without_device() const noexcept { return sets_without_device_.load(std::memory_order_relaxed); }
 
  protected:
-  Losses losses_;  // written by the reconstructing thread
+  // Written by the reconstructing thread.
+  void count_set_without_device() noexcept { sets_without_device_.fetch_add(1, std::memory_order_relaxed); }
+  Losses losses_;
 
  private:
   const FrameSet* submitted_ = nullptr;
+  std::atomic<std::uint64_t> sets_without_device_{0};
 };
 
 }  // namespace rptv

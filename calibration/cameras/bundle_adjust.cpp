@@ -61,6 +61,12 @@ std::vector<PointResidual> residuals_of(const BoardSet& set, const Bundle& bundl
 
 double distance(const PointResidual& r) { return std::hypot(r.error_px[0], r.error_px[1]); }
 
+/// A parameter block and where it is in the covariance.
+struct Block {
+  const double* values = nullptr;
+  std::size_t size = 0, place = 0;
+};
+
 class BundleProblem {
  public:
   BundleProblem(const BoardSet& set, Parameters& p, const BundleOptions& options,
@@ -109,24 +115,27 @@ class BundleProblem {
     return static_cast<int>(summary.iterations.size());
   }
 
-  /// Standard errors of `blocks`, for residuals of standard error `sigma_px`; empty when they are not determined.
-  std::vector<std::vector<double>> errors_of(const std::vector<std::pair<const double*, std::size_t>>& blocks,
-                                             double sigma_px) {
-    std::vector<std::pair<const double*, const double*>> wanted;
-    for (const auto& [block, size] : blocks)
-      if (problem_.HasParameterBlock(block)) wanted.emplace_back(block, block);
+  /// Covariance of `blocks` (address, size, place in the matrix) for residuals of standard error `sigma_px`, size x
+  /// size; empty when they are not determined.
+  std::vector<double> covariance_of(const std::vector<Block>& blocks, std::size_t size, double sigma_px) {
+    std::vector<const double*> wanted;
+    std::vector<std::size_t> place;
+    for (const auto& block : blocks)
+      if (problem_.HasParameterBlock(block.values)) {
+        wanted.push_back(block.values);
+        for (std::size_t k = 0; k < block.size; ++k) place.push_back(block.place + k);
+      }
     ceres::Covariance::Options options;
     options.apply_loss_function = false;
+    options.num_threads = 2;
     ceres::Covariance covariance(options);
-    if (!covariance.Compute(wanted, &problem_)) return {};
-    std::vector<std::vector<double>> errors;
-    for (const auto& [block, size] : blocks) {
-      std::vector<double> square(size * size, 0), error(size);
-      if (problem_.HasParameterBlock(block) && !covariance.GetCovarianceBlock(block, block, square.data())) return {};
-      for (std::size_t k = 0; k < size; ++k) error[k] = sigma_px * std::sqrt(std::max(square[k * size + k], 0.0));
-      errors.push_back(std::move(error));
-    }
-    return errors;
+    std::vector<double> dense(place.size() * place.size());
+    if (!covariance.Compute(wanted, &problem_) || !covariance.GetCovarianceMatrix(wanted, dense.data())) return {};
+    std::vector<double> all(size * size, 0);
+    for (std::size_t i = 0; i < place.size(); ++i)
+      for (std::size_t j = 0; j < place.size(); ++j)
+        all[place[i] * size + place[j]] = sigma_px * sigma_px * dense[i * place.size() + j];
+    return all;
   }
 
  private:
@@ -145,6 +154,37 @@ double sigma_of(const std::vector<PointResidual>& residuals, double freedom) {
   return median(distances) / kMedianToSigma / std::sqrt(freedom);
 }
 
+/// The parameters as they are and their covariance.
+BundleCovariance covariance_of(const Parameters& p, BundleProblem& problem, const BundleOptions& options,
+                               double sigma_px) {
+  BundleCovariance c{p.lenses, p.cameras, p.stack, {}, {}, p.distortions, {}};
+  c.walls.stack = p.base->stack, c.walls.windows = p.base->windows;
+  std::vector<Block> blocks;
+  for (std::size_t k = 0; k < p.lenses.size(); ++k) {
+    blocks.push_back({p.lenses[k].data(), p.lenses[k].size(), 9 * k});
+    blocks.push_back({p.cameras[k].data(), p.cameras[k].size(), c.pose_at(k)});
+  }
+  if (options.fit_stack) blocks.push_back({p.stack.data(), p.stack.size(), c.stack_at()});
+  if (options.frame_view) {
+    const PoseParameters& frame = p.targets[*options.frame_view];
+    c.frame = frame;
+    blocks.push_back({frame.data(), frame.size(), c.frame_at()});
+  }
+  c.values = problem.covariance_of(blocks, c.size(), sigma_px);
+  return c;
+}
+
+/// Standard errors of each camera's `size` parameters, which are at `first` for the first one.
+std::vector<std::vector<double>> errors_in(const BundleCovariance& c, std::size_t first, std::size_t size) {
+  std::vector<std::vector<double>> errors;
+  for (std::size_t k = 0; !c.values.empty() && k < c.cameras.size(); ++k) {
+    auto& error = errors.emplace_back(size);
+    for (std::size_t i = 0; i < size; ++i)
+      error[i] = std::sqrt(std::max(c.values[(first + k * size + i) * (c.size() + 1)], 0.0));
+  }
+  return errors;
+}
+
 }  // namespace
 
 BundleResult adjust_bundle(const BoardSet& set, const Bundle& start, const BundleOptions& options) {
@@ -158,7 +198,7 @@ BundleResult adjust_bundle(const BoardSet& set, const Bundle& start, const Bundl
     unknowns += !target ? 0 : options.single_points ? 3 : 6;
   }
   p.distortions.resize(p.lenses.size());
-  BundleResult result{start, residuals_of(set, start, p), 0, 0, 0, {}, {}, 0};
+  BundleResult result{start, residuals_of(set, start, p), 0, 0, 0, {}, {}, {}, 0};
   const double values = static_cast<double>(2 * result.residuals.size() + options.rods.size());
   if (!(values > static_cast<double>(unknowns)))
     throw Error(ExitCode::bad_data,
@@ -178,11 +218,9 @@ BundleResult adjust_bundle(const BoardSet& set, const Bundle& start, const Bundl
     if (distance(r) > kOutlier * result.sigma_px) ++result.outliers;
   }
   result.rms_px = std::sqrt(sum / static_cast<double>(result.residuals.size()));
-  std::vector<std::pair<const double*, std::size_t>> lenses, cameras;
-  for (const auto& block : p.lenses) lenses.emplace_back(block.data(), block.size());
-  for (const auto& block : p.cameras) cameras.emplace_back(block.data(), block.size());
-  result.lens_sigma = last.errors_of(lenses, result.sigma_px);
-  result.camera_sigma = last.errors_of(cameras, result.sigma_px);
+  result.covariance = covariance_of(p, last, options, result.sigma_px);
+  result.lens_sigma = errors_in(result.covariance, 0, std::tuple_size_v<LensParameters>);
+  result.camera_sigma = errors_in(result.covariance, result.covariance.pose_at(0), std::tuple_size_v<PoseParameters>);
   for (std::size_t c = 0; c < p.cameras.size(); ++c) {
     result.bundle.lenses[c] = lens_of(p.lenses[c], start.lenses[c]);
     if (c > 0) result.bundle.cameras[c] = pose_of(p.cameras[c]);

@@ -2,10 +2,12 @@
 // All lenses, camera poses and target poses at once, so that points fall where they were seen.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calibration/cameras/board_views.hpp"
 #include "calibration/cameras/bundle.hpp"
+#include "calibration/cameras/bundle_covariance.hpp"
 
 namespace rptv {
 
@@ -19,9 +21,10 @@ struct BundleOptions {
   bool fit_k3 = false;
   bool fit_lenses = true;
   bool fit_stack = false;  ///< direction and position of Bundle::stack (not the interfaces' distances from each other)
-  bool single_points = false;  ///< targets are single points: how they are turned is held
-  std::vector<Rod> rods;       ///< known to a ten-thousandth, beside pixels of 0.1 px
-  double length_factor = 3;    ///< residuals beyond this many standard errors count linearly (Huber 1964)
+  bool single_points = false;             ///< targets are single points: how they are turned is held
+  std::vector<Rod> rods;                  ///< known to a ten-thousandth, beside pixels of 0.1 px
+  std::optional<std::size_t> frame_view;  ///< the target's pose in this view is in the covariance, as the rig's frame
+  double length_factor = 3;               ///< residuals beyond this many standard errors count linearly (Huber 1964)
 };
 
 /// Where a point was seen, less where it should be.
@@ -40,6 +43,7 @@ struct BundleResult {
   /// Standard errors of parameters_of(lens) and parameters_of(camera pose), by the curvature at the end; zeros where
   /// held. Empty when the curvature is singular.
   std::vector<std::vector<double>> lens_sigma, camera_sigma;
+  BundleCovariance covariance;  ///< what they are the diagonal of
   int iterations = 0;
 };
 

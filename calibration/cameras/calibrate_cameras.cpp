@@ -83,6 +83,7 @@ CameraCalibration calibrate_cameras(const BoardSet& set, const CameraCalibration
     bundle.targets = target_poses(c.used, c.singles, bundle.cameras);
     BundleOptions adjust;
     adjust.fit_k3 = options.single.fit_k3, adjust.fit_stack = options.fit_stack;
+    adjust.frame_view = options.world_view;
     c.result = adjust_bundle(c.used, bundle, adjust);
     const auto worst =
         options.single.drop_outliers && round < kRounds ? worst_images(c.used, c.result) : std::vector<DroppedView>{};

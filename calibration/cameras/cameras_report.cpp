@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "calibration/cameras/rig_accuracy.hpp"
+#include "calibration/cameras/volume_accuracy.hpp"
 #include "calibration/space_algebra.hpp"
 #include "core/json.hpp"
 
@@ -16,7 +17,6 @@ namespace rptv {
 
 namespace {
 
-constexpr double kParticle_px = 0.1;  // a particle's image is placed to about that
 constexpr std::size_t kWorstShown = 5;
 constexpr double kThinCoverage = 0.5;  // of the sensor: less leaves the distortion to extrapolation
 
@@ -109,23 +109,13 @@ std::string to_text(const CameraCalibration& c) {
   for (std::size_t k = 0; k < c.used.cameras.size(); ++k)
     if (r.bundle.has_window(k)) text += stack_text(stack_of(r.bundle, k), ", camera " + c.used.cameras[k].name);
   const TargetErrors target = target_errors(c.used, r);
-  const VolumeAccuracy v = volume_accuracy(c.used, r.bundle, kParticle_px);
   text += fmt::format("target in space   {} points from two or more cameras: rms {:.4f} mm, largest {:.4f} mm\n",
                       target.points, target.rms_mm, target.largest_mm);
-  text += fmt::format(
-      "expected          a particle placed to {} px: median {:.4f} {:.4f} {:.4f} mm, worst {:.4f} {:.4f} {:.4f} mm in "
-      "x "
-      "{:.0f} to {:.0f}, y {:.0f} to {:.0f}, z {:.0f} to {:.0f} mm, {:.0f} % of which two or more cameras see\n",
-      kParticle_px, v.median_mm[0], v.median_mm[1], v.median_mm[2], v.worst_mm[0], v.worst_mm[1], v.worst_mm[2],
-      v.from_mm[0], v.to_mm[0], v.from_mm[1], v.to_mm[1], v.from_mm[2], v.to_mm[2], 100 * v.seen);
+  text += to_text(volume_accuracy(c.used, r));
   return text;
 }
 
 namespace {
-
-std::string json_of(const Point3& p) {
-  return "[" + json_number(p[0]) + "," + json_number(p[1]) + "," + json_number(p[2]) + "]";
-}
 
 /// `[a,b,…]` of what `one` says of each.
 template <class List, class One>
@@ -142,11 +132,9 @@ std::string to_json(const CameraCalibration& c) {
   const auto name = [&](std::size_t camera) { return json_string(c.used.cameras[camera].name); };
   const auto rms = image_rms_px(c.used, r);
   const TargetErrors target = target_errors(c.used, r);
-  const VolumeAccuracy v = volume_accuracy(c.used, r.bundle, kParticle_px);
   return fmt::format(
       "{{\"rms_px\":{},\"sigma_px\":{},\"points\":{},\"outliers\":{},\"cameras\":{},\"pairs\":{},\"images\":{},"
-      "\"dropped\":{},\"target_rms_mm\":{},\"target_largest_mm\":{},\"expected\":{{\"sigma_px\":{},\"median_mm\":{},"
-      "\"worst_mm\":{},\"from_mm\":{},\"to_mm\":{},\"seen\":{}}}}}",
+      "\"dropped\":{},\"target_rms_mm\":{},\"target_largest_mm\":{},\"expected\":{}}}",
       json_number(r.rms_px), json_number(r.sigma_px), r.residuals.size(), r.outliers,
       json_list(c.used.cameras,
                 [&](std::size_t k) {
@@ -154,7 +142,7 @@ std::string to_json(const CameraCalibration& c) {
                   return fmt::format(
                       "{{\"name\":{},\"rms_px\":{},\"images\":{},\"points\":{},\"coverage\":{},\"centre_mm\":{}}}",
                       name(k), json_number(f.rms_px), f.images, f.points, json_number(f.coverage),
-                      json_of(inverse(r.bundle.cameras[k]).translation_mm));
+                      json_point(inverse(r.bundle.cameras[k]).translation_mm));
                 }),
       json_list(c.graph.pairs,
                 [&](std::size_t k) {
@@ -175,8 +163,7 @@ std::string to_json(const CameraCalibration& c) {
                   return fmt::format("{{\"camera\":{},\"view\":{},\"reason\":{}}}", name(d.camera),
                                      json_string(c.used.views[d.view]), json_string(d.reason));
                 }),
-      json_number(target.rms_mm), json_number(target.largest_mm), json_number(kParticle_px), json_of(v.median_mm),
-      json_of(v.worst_mm), json_of(v.from_mm), json_of(v.to_mm), json_number(v.seen));
+      json_number(target.rms_mm), json_number(target.largest_mm), to_json(volume_accuracy(c.used, r)));
 }
 
 std::string residual_table(const CameraCalibration& c) {

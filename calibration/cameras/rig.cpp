@@ -168,7 +168,7 @@ void check_resolution(const RigCamera& camera, int width_px, int height_px, cons
   throw Error(
       ExitCode::configuration,
       fmt::format("{}: camera {} is calibrated for {}x{} px and its images have {}x{}; use the region of interest "
-                  "that it was calibrated with",
+                  "that it was calibrated with, or calibrate it as it is now",
                   origin, in_quotes(camera.name), lens.width_px, lens.height_px, width_px, height_px));
 }
 

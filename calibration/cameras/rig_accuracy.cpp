@@ -5,11 +5,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "calibration/cameras/eigen_space.hpp"
-#include "calibration/cameras/median.hpp"
 #include "calibration/space_algebra.hpp"
 
 namespace rptv {
@@ -19,7 +17,6 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
-constexpr int kGrid = 11;
 constexpr int kMostSteps = 20;
 
 std::optional<Point3> nearest_to_rays(std::span<const Sighting> sightings) {
@@ -85,36 +82,6 @@ std::optional<Point3> expected_error_mm(std::span<const CameraModel> cameras, co
   const Matrix inverse = square.inverse();
   return Point3{sigma_px * std::sqrt(inverse(0, 0)), sigma_px * std::sqrt(inverse(1, 1)),
                 sigma_px * std::sqrt(inverse(2, 2))};
-}
-
-VolumeAccuracy volume_accuracy(const BoardSet& set, const Bundle& bundle, double sigma_px) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  VolumeAccuracy volume;
-  volume.from_mm.fill(kInfinity), volume.to_mm.fill(-kInfinity);
-  for (const auto& target : bundle.targets)
-    for (std::size_t k = 0; target && k < set.target_mm.size(); ++k) {
-      const Point3 p = target->rotation * set.target_mm[k] + target->translation_mm;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        volume.from_mm[axis] = std::min(volume.from_mm[axis], p[axis]);
-        volume.to_mm[axis] = std::max(volume.to_mm[axis], p[axis]);
-      }
-    }
-  const auto models = models_of(bundle);
-  std::array<std::vector<double>, 3> errors;
-  for (int i = 0; i < kGrid * kGrid * kGrid; ++i) {
-    const std::array<int, 3> at{i % kGrid, i / kGrid % kGrid, i / kGrid / kGrid};
-    Point3 p{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      p[axis] = volume.from_mm[axis] + (volume.to_mm[axis] - volume.from_mm[axis]) * at[axis] / (kGrid - 1);
-    const auto error = expected_error_mm(models, p, sigma_px);
-    for (std::size_t axis = 0; error && axis < 3; ++axis) errors[axis].push_back((*error)[axis]);
-  }
-  volume.seen = static_cast<double>(errors[0].size()) / (kGrid * kGrid * kGrid);
-  for (std::size_t axis = 0; axis < 3 && !errors[0].empty(); ++axis) {
-    volume.worst_mm[axis] = *std::max_element(errors[axis].begin(), errors[axis].end());
-    volume.median_mm[axis] = median(errors[axis]);
-  }
-  return volume;
 }
 
 TargetErrors target_errors(const BoardSet& set, const BundleResult& result) {

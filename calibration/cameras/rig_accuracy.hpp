@@ -24,14 +24,6 @@ std::optional<Point3> triangulate(std::span<const Sighting> sightings);
 /// the roots of the diagonal of sigma²·(sum of JᵀJ)⁻¹. None when fewer than two cameras see it.
 std::optional<Point3> expected_error_mm(std::span<const CameraModel> cameras, const Point3& point_mm, double sigma_px);
 
-/// Over a grid of 11³ places in the box that the target's points filled.
-struct VolumeAccuracy {
-  Point3 from_mm{}, to_mm{};       ///< the box, rig's frame
-  double seen = 0;                 ///< share of the grid that two or more cameras see
-  Point3 median_mm{}, worst_mm{};  ///< of expected_error_mm()
-};
-VolumeAccuracy volume_accuracy(const BoardSet& set, const Bundle& bundle, double sigma_px);
-
 /// Points of the target, triangulated from the images, against where the bundle has them.
 struct TargetErrors {
   std::size_t points = 0;  ///< seen by two or more cameras

@@ -91,6 +91,7 @@ WandCalibration calibrate_with_wand(const Rig& start, const BoardSet& seen, doub
                     middle, length_mm));
   wand.before_rms_mm = rms_error_mm(bundle.targets, options.rods);
   wand.result = adjust_bundle(ends, bundle, options);
+  wand.volume = volume_accuracy(ends, wand.result);
   const auto models = models_of(wand.result.bundle);
   const auto places = places_of(ends, models);
   wand.rms_mm = rms_error_mm(places, options.rods);

@@ -4,6 +4,7 @@
 
 #include "calibration/cameras/bundle_adjust.hpp"
 #include "calibration/cameras/rig.hpp"
+#include "calibration/cameras/volume_accuracy.hpp"
 
 namespace rptv {
 
@@ -13,6 +14,7 @@ struct WandCalibration {
   std::size_t rods = 0;                  ///< views with both ends seen by two or more cameras
   double before_rms_mm = 0, rms_mm = 0;  ///< lengths as triangulated, against the known one
   double largest_mm = 0;
+  VolumeAccuracy volume;  ///< where the rod was; lenses that were not fitted count as exact
 };
 
 /// `seen`: a target of two points, the rod's ends, seen in many views; its cameras are `start`'s, in that order. Poses,

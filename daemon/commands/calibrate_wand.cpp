@@ -57,16 +57,18 @@ ExitCode run(const Options& options) {
       calibrate_with_wand(start, in_order_of(start, seen, options.start), options.length_mm, options.fit_lenses);
   write_rig(wand.rig, options.output);
   if (options.json)
-    std::cout << fmt::format("{{\"rods\":{},\"before_rms_mm\":{},\"rms_mm\":{},\"largest_mm\":{},\"rms_px\":{}}}\n",
-                             wand.rods, json_number(wand.before_rms_mm), json_number(wand.rms_mm),
-                             json_number(wand.largest_mm), json_number(wand.result.rms_px));
+    std::cout << fmt::format(
+        "{{\"rods\":{},\"before_rms_mm\":{},\"rms_mm\":{},\"largest_mm\":{},\"rms_px\":{},"
+        "\"expected\":{}}}\n",
+        wand.rods, json_number(wand.before_rms_mm), json_number(wand.rms_mm), json_number(wand.largest_mm),
+        json_number(wand.result.rms_px), to_json(wand.volume));
   else
     std::cout << fmt::format(
         "rods              {} views with both ends\n"
         "length            {:.6g} mm; rms error before {:.4f} mm, now {:.4f} mm, largest {:.4f} mm\n"
-        "reprojection      rms {:.4f} px, {} of {} ends beyond 5 standard errors\n",
+        "reprojection      rms {:.4f} px, {} of {} ends beyond 5 standard errors\n{}",
         wand.rods, options.length_mm, wand.before_rms_mm, wand.rms_mm, wand.largest_mm, wand.result.rms_px,
-        wand.result.outliers, wand.result.residuals.size());
+        wand.result.outliers, wand.result.residuals.size(), to_text(wand.volume));
   std::cerr << "wrote " << options.output << '\n';
   return ExitCode::ok;
 }

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/backend.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/reconstruct_views.hpp"
 #include "daemon/config.hpp"
@@ -84,7 +85,6 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
   if (counts.device_unsure > 0)
     std::cerr << fmt::format("{} times the CPU explained rays since the device was unsure; the results are the same\n",
                              counts.device_unsure);
-  if (counts.device_failed) std::cerr << "the device failed on the way; the CPU did the rest, with the same results\n";
 }
 
 ExitCode reconstruct(const ReconstructOptions& options) {
@@ -126,6 +126,7 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   while (done < images.size()) finish_one();
   points.close();
   tell(images, light_field.counts(), total);
+  if (stage->sets_without_device() > 0) std::cerr << device_failure(stage->sets_without_device()) << '\n';
   return ExitCode::ok;
 }
 

@@ -8,6 +8,9 @@
 #include <iostream>
 
 #include "core/tables.hpp"
+#include "daemon/backend.hpp"
+#include "daemon/blind_views.hpp"
+#include "daemon/first_instant.hpp"
 #include "daemon/instants.hpp"
 #include "daemon/progress.hpp"
 #include "daemon/session.hpp"
@@ -63,6 +66,13 @@ void tell(const Reconstructor& stage, std::size_t instants, std::uint64_t partic
   tell_matches(once.correspondence_counts(), "tolerance_px");
 }
 
+void tell_blind(const BlindViewCounter& counter, const std::vector<ImageSequence>& cameras) {
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    if (counter.blind(c) > 0)
+      std::cerr << fmt::format("warning: {}; in {} of {} instants, first at frame {}\n",
+                               blind_warning(cameras[c].camera()), counter.blind(c), counter.seen(), counter.first(c));
+}
+
 }  // namespace
 
 ExitCode reconstruct_views(const Config& config, const std::string& output) {
@@ -72,19 +82,26 @@ ExitCode reconstruct_views(const Config& config, const std::string& output) {
   std::string where;
   const auto stage = make_reconstructor(config, infos_of(cameras), &where);
   std::cerr << where << '\n';
+  for (const std::string& doubt : doubts_of_first_instant(config)) std::cerr << "warning: " << doubt << '\n';
   PointsWriter points(output, {.covariance = true, .ghost = true, .time = timed});
   Particles particles(config.max_particles());
   Instants instants(cameras);
+  BlindViewCounter blind(cameras.size());
+  dynamic_cast<ObservableViews&>(*stage).show_to(&blind);
   std::uint64_t total = 0;
   Progress progress("reconstructing", timeline.instants());
   for (std::size_t i = 0; i < timeline.instants(); ++i, progress.advance()) {
-    stage->reconstruct(instants.load(timeline, i), particles);
+    const FrameSet& frames = instants.load(timeline, i);
+    blind.begin(timeline.index[i], frames);
+    stage->reconstruct(frames, particles);
     const double t_s = timed ? static_cast<double>(timeline.shots.front()[i].time_ns) * 1e-9 : kNoTime;
     points.write(timeline.index[i], t_s, particles);
     total += particles.size();
   }
   points.close();
   tell(*stage, timeline.instants(), total);
+  if (stage->sets_without_device() > 0) std::cerr << device_failure(stage->sets_without_device()) << '\n';
+  tell_blind(blind, cameras);
   return ExitCode::ok;
 }
 

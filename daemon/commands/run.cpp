@@ -8,6 +8,7 @@
 
 #include "daemon/commands/command.hpp"
 #include "daemon/config.hpp"
+#include "daemon/first_instant.hpp"
 #include "daemon/log.hpp"
 #include "daemon/session.hpp"
 #include "daemon/supervisor.hpp"
@@ -40,10 +41,17 @@ void write_report(const SessionReport& report, const std::string& file) {
   if (!out.flush()) throw Error(ExitCode::io, file + ": cannot write the report; check the folder and the disk");
 }
 
+/// What the recording's first images look like; what cannot be read, the session tells.
+void warn_of_first_instant(const Config& config) try {
+  for (const std::string& doubt : doubts_of_first_instant(config)) spdlog::warn("{}", doubt);
+} catch (const Error&) {
+}
+
 ExitCode run(const RunOptions& options) {
   start_log(options.log_level);
   const Config config = resolve(options);
   Supervisor supervisor;
+  warn_of_first_instant(config);
   Session session(config);
   spdlog::info("{}", session.backend());
   for (const std::string& endpoint : session.endpoints()) spdlog::info("publishing at {}", endpoint);

@@ -26,15 +26,6 @@ bool put(CudaStream& stream, const DeviceArray<T>& to, const T* from) {
 
 }  // namespace
 
-std::string only_on_cpu(const DetectorSettings& settings) {
-  if (settings.method == "blob")
-    return "detector.method = \"blob\"; take \"three_point\", \"centroid\" or \"gaussian\"";
-  if (settings.method == "gaussian" && settings.overlap_sweeps > 0)
-    return fmt::format("detector.overlap_sweeps = {} with method = \"gaussian\"; take 0", settings.overlap_sweeps);
-  if (settings.running_background) return "detector.running_background = true; take false";
-  return {};
-}
-
 CudaSpotSettings cuda_spot_settings(const DetectorSettings& settings, const ImageShape& shape) {
   const auto radius = static_cast<std::int32_t>(settings.radius_px);
   const double highest =

@@ -3,20 +3,16 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-
 #include "core/image.hpp"
 #include "reconstruct/cuda_memory.hpp"
 #include "reconstruct/dark_pixels.hpp"
+#include "reconstruct/detection/detect_device.hpp"
 #include "reconstruct/detection/detections.hpp"
 #include "reconstruct/detection/detector_counts.hpp"
 #include "reconstruct/detection/detector_settings.hpp"
 #include "reconstruct/detection/spots_cuda.hpp"
 
 namespace rptv {
-
-/// Which setting only the CPU's detector has, and what to set instead; empty: none.
-std::string only_on_cpu(const DetectorSettings& settings);
 
 /// The settings for images of `shape`, 8 or 16 bit.
 CudaSpotSettings cuda_spot_settings(const DetectorSettings& settings, const ImageShape& shape);

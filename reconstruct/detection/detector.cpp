@@ -7,10 +7,21 @@
 
 #include "reconstruct/dark_pixels.hpp"
 #include "reconstruct/detection/blob_finder.hpp"
+#include "reconstruct/detection/detect_device.hpp"
 #include "reconstruct/detection/spot_finder.hpp"
 #include "reconstruct/running_background.hpp"
 
 namespace rptv {
+
+std::string only_on_cpu(const DetectorSettings& settings) {
+  if (settings.method == "blob")
+    return "detector.method = \"blob\"; take \"three_point\", \"centroid\" or \"gaussian\"";
+  if (settings.method == "gaussian" && settings.overlap_sweeps > 0)
+    return "detector.overlap_sweeps = " + std::to_string(settings.overlap_sweeps) +
+           " with method = \"gaussian\"; take 0";
+  if (settings.running_background) return "detector.running_background = true; take false";
+  return {};
+}
 
 DarkSettings dark_settings(const DetectorSettings& settings, std::size_t camera) {
   const auto& names = settings.background_images;

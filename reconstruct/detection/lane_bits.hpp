@@ -10,6 +10,13 @@
 
 #define RPTV_LANES [[gnu::always_inline]] RPTV_HOST_DEVICE inline
 
+// Before a loop of seven turns at most, whose number is known where it is inlined.
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
+#define RPTV_UNROLL _Pragma("GCC unroll 7")
+#else
+#define RPTV_UNROLL
+#endif
+
 namespace rptv {
 
 /// Of comparisons: 0 or -1 in each lane; false or true of one number.

@@ -6,12 +6,6 @@
 
 namespace rptv {
 
-template <class V>
-struct LightCentre {
-  SpotCentre<V> centre;
-  V sum;
-};
-
 /// Light of the columns (or rows) at both edges of the square and of those beside them, inwards.
 template <class V>
 struct EdgeLight {
@@ -32,7 +26,7 @@ struct EdgeLight {
 };
 
 template <class Square, class V = typename Square::Value>
-RPTV_LANES LightCentre<V> light_centre(const Square& square) noexcept {
+RPTV_LANES SpotCentre<V> light_centre(const Square& square) noexcept {
   const SpotOptions& options = square.options;
   const auto radius = static_cast<float>(options.radius);
   V sum{}, sum_x{}, sum_y{}, spread_x{}, spread_y{};
@@ -53,7 +47,7 @@ RPTV_LANES LightCentre<V> light_centre(const Square& square) noexcept {
   const V lowest = all_lanes<V>(-radius), highest = all_lanes<V>(radius);
   const V variance = (spread_x * per_x * per_x + spread_y * per_y * per_y) / (safe * safe) * 0.5F;
   const LaneTruth<V> good = V{} == V{};
-  return {{least(most(x * per_x, lowest), highest), least(most(y * per_y, lowest), highest), variance, good}, sum};
+  return {least(most(x * per_x, lowest), highest), least(most(y * per_y, lowest), highest), variance, good};
 }
 
 }  // namespace rptv

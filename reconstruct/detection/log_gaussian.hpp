@@ -12,6 +12,28 @@ struct LogGaussian {
   Lanes a, b, c, q;
 };
 
+// Of a pixel: its weight, and that times the logarithm that the fit is to have there.
+template <class Lanes>
+struct WeightedLog {
+  Lanes weight, log;
+};
+
+// Sums over a row of weight·dx⁰ … dx⁴ and of weighted logarithms·dx⁰ … dx². Pixels at -dx and dx come together: even
+// powers need only their sum, odd ones their difference.
+template <class Lanes>
+struct RowMoments {
+  Lanes w0, w1{}, w2{}, w3{}, w4{}, t0, t1{}, t2{};
+
+  RPTV_LANES explicit RowMoments(const WeightedLog<Lanes>& middle) noexcept : w0(middle.weight), t0(middle.log) {}
+  RPTV_LANES void add_pair(float dx, const WeightedLog<Lanes>& before, const WeightedLog<Lanes>& after) noexcept {
+    const Lanes even = after.weight + before.weight, odd = after.weight - before.weight;
+    const Lanes even_log = after.log + before.log, odd_log = after.log - before.log;
+    const float dx2 = dx * dx;
+    w0 += even, w1 += odd * dx, w2 += even * dx2, w3 += odd * (dx2 * dx), w4 += even * (dx2 * dx2);
+    t0 += even_log, t1 += odd_log * dx, t2 += even_log * dx2;
+  }
+};
+
 // Weighted normal equations of the four and their LDLᵀ factors.
 template <class Lanes>
 struct NormalEquations {
@@ -19,12 +41,12 @@ struct NormalEquations {
   Lanes t1{}, tx{}, ty{}, tr{};
   Lanes d1, d2, d3, l10, l20, l30, l21, l31, l32;
 
-  RPTV_LANES void add(float dx, float dy, Lanes weight, Lanes weighted_log) noexcept {
-    const float r = dx * dx + dy * dy;
-    const Lanes wx = weight * dx, wy = weight * dy;
-    n += weight, x += wx, y += wy, xx += wx * dx, xy += wx * dy, yy += wy * dy;
-    xr += wx * r, yr += wy * r, rr += weight * (r * r);
-    t1 += weighted_log, tx += weighted_log * dx, ty += weighted_log * dy, tr += weighted_log * r;
+  RPTV_LANES void add_row(float dy, const RowMoments<Lanes>& row) noexcept {
+    const float dy2 = dy * dy;
+    n += row.w0, x += row.w1, xx += row.w2, y += row.w0 * dy, xy += row.w1 * dy, yy += row.w0 * dy2;
+    xr += row.w3 + row.w1 * dy2, yr += (row.w2 + row.w0 * dy2) * dy;
+    rr += row.w4 + (row.w2 * 2.0F + row.w0 * dy2) * dy2;
+    t1 += row.t0, tx += row.t1, ty += row.t0 * dy, tr += row.t2 + row.t0 * dy2;
   }
   RPTV_LANES LogGaussian<Lanes> solve() noexcept {
     const Lanes r = xx + yy;

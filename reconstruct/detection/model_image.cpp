@@ -18,13 +18,18 @@ ModelImage::Box ModelImage::box(std::int32_t x, std::int32_t y, std::int32_t rea
           std::min(y + reach, height_ - 1)};
 }
 
-void ModelImage::add(const FittedSpot& spot, float sign) noexcept {
+std::int32_t ModelImage::reach(const FittedSpot& spot) noexcept {
   constexpr float kSeen = 0.1F;  // grey
-  if (spot.peak <= kSeen) return;
+  if (spot.peak <= kSeen) return 0;
   const float reach = std::ceil(std::sqrt(std::log(kSeen / spot.peak) / spot.bend));
+  return static_cast<std::int32_t>(std::min(reach, static_cast<float>(kMostReach)));
+}
+
+void ModelImage::add(const FittedSpot& spot) noexcept {
+  const std::int32_t seen = reach(spot);
+  if (seen == 0) return;
   const Box b =
-      box(static_cast<std::int32_t>(std::lround(spot.x_px)), static_cast<std::int32_t>(std::lround(spot.y_px)),
-          static_cast<std::int32_t>(std::min(reach, static_cast<float>(kMostReach))));
+      box(static_cast<std::int32_t>(std::lround(spot.x_px)), static_cast<std::int32_t>(std::lround(spot.y_px)), seen);
   std::array<float, 2 * kMostReach + 1> along_x{};
   for (std::int32_t x = b.first_x; x <= b.last_x; ++x) {
     const auto off = static_cast<float>(x - spot.x_px);
@@ -32,7 +37,7 @@ void ModelImage::add(const FittedSpot& spot, float sign) noexcept {
   }
   for (std::int32_t y = b.first_y; y <= b.last_y; ++y) {
     const auto off = static_cast<float>(y - spot.y_px);
-    const float peak = sign * spot.peak * std::exp(spot.bend * off * off);
+    const float peak = spot.peak * std::exp(spot.bend * off * off);
     float* row = light_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
     for (std::int32_t x = b.first_x; x <= b.last_x; ++x)
       row[x] += peak * along_x[static_cast<std::size_t>(x - b.first_x)];

@@ -18,8 +18,10 @@ class ModelImage {
 
   explicit ModelImage(const ImageShape& shape);
 
-  void add(const FittedSpot& spot) noexcept { add(spot, 1); }
-  void take_away(const FittedSpot& spot) noexcept { add(spot, -1); }
+  /// Pixels from its middle that a spot's Gaussian is seen, at most kMostReach; 0: nowhere.
+  static std::int32_t reach(const FittedSpot& spot) noexcept;
+
+  void add(const FittedSpot& spot) noexcept;
   /// Zero again wherever that spot may have been added.
   void clear(const FittedSpot& spot) noexcept;
   float at(std::size_t pixel) const noexcept { return light_[pixel]; }
@@ -29,7 +31,6 @@ class ModelImage {
     std::int32_t first_x, last_x, first_y, last_y;
   };
   Box box(std::int32_t x, std::int32_t y, std::int32_t reach) const noexcept;
-  void add(const FittedSpot& spot, float sign) noexcept;
 
   const std::int32_t width_, height_;
   std::vector<float, HugePages<float>> light_;

@@ -16,11 +16,12 @@ constexpr std::size_t kPairsPerMaximum = 8;  // beyond them neighbours keep the 
 
 }  // namespace
 
-SeparateSpots::SeparateSpots(const DetectorSettings& settings, std::size_t most_maxima)
+SeparateSpots::SeparateSpots(const DetectorSettings& settings, std::size_t most_maxima, InstructionSet set)
     : radius_(static_cast<std::int32_t>(settings.radius_px)),
       reach_(settings.overlap_sweeps > 0 ? crowd_reach(radius_) : merge_reach(radius_)),
       split_sigmas_(static_cast<float>(settings.split_sigmas)),
-      noise_(GreyNoise::of(settings.noise_grey, settings.electrons_per_grey)) {
+      noise_(GreyNoise::of(settings.noise_grey, settings.electrons_per_grey)),
+      near_columns_(near_columns(set)) {
   spots_.reserve(most_maxima);
   pairs_.reserve(kPairsPerMaximum * most_maxima);
 }
@@ -56,7 +57,7 @@ template <class Pixel>
 void SeparateSpots::drop_noise(const GreyOverBackground<Pixel>& grey, std::span<const PixelIndex> maxima) noexcept {
   const std::int32_t mergeable = merge_reach(radius_);
   pairs_.clear();
-  each_near_pair(maxima, reach_, [&](std::size_t i, std::size_t j) {
+  each_near_pair(maxima, reach_, near_columns_, [&](std::size_t i, std::size_t j) {
     if (pairs_.size() < pairs_.capacity()) pairs_.push_back({i, j});
     if (maxima[j].y - maxima[i].y > mergeable || std::abs(maxima[j].x - maxima[i].x) > mergeable) return;
     const std::size_t first = grey.index(maxima[i].x, maxima[i].y), second = grey.index(maxima[j].x, maxima[j].y);
@@ -73,6 +74,7 @@ void SeparateSpots::drop_noise(const GreyOverBackground<Pixel>& grey, std::span<
 void SeparateSpots::share_pixels() noexcept {
   const auto yield_to = [this](Spot& spot, PixelIndex other) {
     const std::int32_t ox = other.x - spot.middle.x, oy = other.y - spot.middle.y;
+    if (2 * radius_ * (std::abs(ox) + std::abs(oy)) < ox * ox + oy * oy) return;  // not even a corner of the square
     std::uint64_t bit = 1;
     for (std::int32_t dy = -radius_; dy <= radius_; ++dy)
       for (std::int32_t dx = -radius_; dx <= radius_; ++dx, bit <<= 1)

@@ -10,6 +10,7 @@
 #include "reconstruct/detection/detector_settings.hpp"
 #include "reconstruct/detection/grey_over_background.hpp"
 #include "reconstruct/detection/lit_maxima.hpp"
+#include "reconstruct/detection/near_columns.hpp"
 
 namespace rptv {
 
@@ -29,7 +30,7 @@ inline std::int32_t crowd_reach(std::int32_t radius) noexcept { return 2 * radiu
 /// All memory is taken by the constructor. One thread.
 class SeparateSpots {
  public:
-  SeparateSpots(const DetectorSettings& settings, std::size_t most_maxima);
+  SeparateSpots(const DetectorSettings& settings, std::size_t most_maxima, InstructionSet set);
 
   /// One spot for each of the maxima, which are in raster order and no more than there is room for.
   template <class Pixel>
@@ -45,6 +46,7 @@ class SeparateSpots {
   const std::int32_t radius_, reach_;
   const float split_sigmas_;
   const GreyNoise noise_;
+  const NearColumns near_columns_;
   std::vector<Spot> spots_;
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // of maxima near each other
 };

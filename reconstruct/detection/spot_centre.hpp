@@ -43,9 +43,9 @@ RPTV_LANES V noise_of(const SpotOptions& options, V light) noexcept {
 template <class Visit>
 RPTV_LANES void each_pixel(const SpotOptions& options, const Visit& visit) noexcept {
   const int radius = static_cast<int>(options.radius);
-  for (int dy = -radius; dy <= radius; ++dy) {
+  RPTV_UNROLL for (int dy = -radius; dy <= radius; ++dy) {
     std::size_t k = static_cast<std::size_t>(dy + radius) * SpotBatch::kRow;
-    for (int dx = -radius; dx <= radius; ++dx) visit(k++, static_cast<float>(dx), static_cast<float>(dy));
+    RPTV_UNROLL for (int dx = -radius; dx <= radius; ++dx) visit(k++, static_cast<float>(dx), static_cast<float>(dy));
   }
 }
 

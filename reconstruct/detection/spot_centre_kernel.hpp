@@ -12,13 +12,14 @@ namespace rptv {
 template <class Square, class V = typename Square::Value>
 RPTV_LANES SpotCentre<V> find_centre(const Square& square, V& light) noexcept {
   const SpotMethod method = square.options.method;
-  const LightCentre<V> of_light = light_centre(square);
-  light = of_light.sum;
-  SpotCentre<V> centre = of_light.centre;
+  SpotCentre<V> centre{};
+  centre.good = V{} != V{};
   if (method == SpotMethod::three_point) centre = three_point_centre(square);
-  if (method == SpotMethod::gaussian) centre = gaussian_centre(square);
-  if (method == SpotMethod::three_point && centre.any_bad()) centre.replace_bad(gaussian_centre(square));
-  if (centre.any_bad()) centre.replace_bad(of_light.centre);
+  if (method != SpotMethod::centroid && centre.any_bad()) centre.replace_bad(gaussian_centre(square));
+  if (centre.any_bad()) centre.replace_bad(light_centre(square));
+  light = V{};
+  each_pixel(
+      square.options, [&](std::size_t k, float, float) __attribute__((always_inline)) { light += square.grey(k); });
   return centre;
 }
 

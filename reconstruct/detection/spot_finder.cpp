@@ -33,7 +33,7 @@ SpotFinder::SpotFinder(const DetectorSettings& settings, const ImageShape& shape
       saturation_grey_(settings.saturation_grey),
       min_area_px_(static_cast<std::size_t>(settings.min_area_px)),
       maxima_(kMaximaPerDetection * static_cast<std::size_t>(settings.max_detections)),
-      separate_(settings, maxima_.size()) {
+      separate_(settings, maxima_.size(), set) {
   fitted_.reserve(maxima_.size());
   if (options_.method == SpotMethod::gaussian && settings.overlap_sweeps > 0)
     overlaps_.emplace(settings, shape, options_, fitted_.capacity(), set);
@@ -47,13 +47,13 @@ void SpotFinder::fill(const GreyOverBackground<Pixel>& grey, const Spot& spot, s
   if (spot.neighbours == 0 && has_whole_rows(grey, spot.middle, radius)) {  // most spots
     const SquareCounts counts = copy_square(grey, spot.middle, radius, batch_.grey[lane], set_);
     if (counts.saturated == 0) {
-      if (!all_usable_[lane]) batch_.usable[lane].fill(1);
-      all_usable_[lane] = true;
+      if (!batch_.all_usable[lane]) batch_.usable[lane].fill(1);
+      batch_.all_usable[lane] = true;
       lanes_[lane] = {&spot, counts.lit, side * side};
       return;
     }
   }
-  all_usable_[lane] = false;
+  batch_.all_usable[lane] = false;
   fill_with_care(grey, spot, lane);
 }
 

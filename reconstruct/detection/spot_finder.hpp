@@ -59,7 +59,6 @@ class SpotFinder {
   std::vector<FittedSpot> fitted_;
   std::optional<SpotOverlaps> overlaps_;
   SpotBatch batch_{};
-  std::array<bool, SpotBatch::kSpots> all_usable_{};  // every weight in the lane is 1
   SpotCentres centres_{};
   std::array<Lane, SpotBatch::kSpots> lanes_{};
 };

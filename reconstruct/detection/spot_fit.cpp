@@ -2,9 +2,11 @@
 // The arithmetic of sub-pixel centres, compiled once per instruction set.
 #include "reconstruct/detection/spot_fit.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "reconstruct/detection/spot_centre_kernel.hpp"
+#include "reconstruct/detection/square_lanes.hpp"
 #include "reconstruct/lit_mask.hpp"
 
 namespace rptv {
@@ -21,11 +23,13 @@ struct SpotFit {
     using Value = Lanes;
 
     RPTV_LANES Squares(const SpotBatch& batch, std::size_t first, const SpotOptions& of) noexcept : options(of) {
-      each_pixel(
-          options, [&](std::size_t k, float, float) __attribute__((always_inline)) {
-            for (std::size_t i = 0; i < kLanes; ++i)
-              greys[k][i] = batch.grey[first + i][k], usables[k][i] = batch.usable[first + i][k];
-          });
+      const std::size_t rows = 2 * options.radius + 1;
+      SquareLanes<kLanes>::turn(&batch.grey[first], rows, greys);
+      const bool* hints = batch.all_usable.data() + first;
+      if (std::all_of(hints, hints + kLanes, [](bool all) { return all; }))
+        std::fill_n(usables.begin(), rows * SpotBatch::kRow, Lanes{} + 1.0F);
+      else
+        SquareLanes<kLanes>::turn(&batch.usable[first], rows, usables);
     }
     RPTV_LANES Lanes grey(std::size_t k) const noexcept { return greys[k]; }
     RPTV_LANES Lanes usable(std::size_t k) const noexcept { return usables[k]; }
@@ -60,8 +64,16 @@ struct SpotFit {
     store(centre.peak, centres.peak), store(centre.bend, centres.bend), store(centre.misfit, centres.misfit);
   }
 
-  RPTV_LANES static void find_all(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
+  // A radius that the compiler knows leaves no loop over pixels and columns.
+  template <std::size_t kRadius>
+  RPTV_LANES static void find_known(const SpotBatch& batch, SpotOptions options, SpotCentres& centres) noexcept {
+    options.radius = kRadius;
     for (std::size_t first = 0; first < SpotBatch::kSpots; first += kLanes) find(batch, first, options, centres);
+  }
+  RPTV_LANES static void find_all(const SpotBatch& batch, const SpotOptions& options, SpotCentres& centres) noexcept {
+    if (options.radius == 1) return find_known<1>(batch, options, centres);
+    if (options.radius == 2) return find_known<2>(batch, options, centres);
+    find_known<SpotBatch::kMostRadius>(batch, options, centres);
   }
 };
 

@@ -17,8 +17,9 @@ struct alignas(64) SpotBatch {
   static constexpr std::size_t kSpots = 16, kMostRadius = 3, kRow = 8, kPixels = 7 * kRow;
   using Square = std::array<float, kPixels>;
 
-  std::array<Square, kSpots> grey;    ///< over the background; 0 where `usable` is for a neighbour
-  std::array<Square, kSpots> usable;  ///< weight: 1; 0: saturated, outside or a neighbour's
+  std::array<Square, kSpots> grey;        ///< over the background; 0 where `usable` is for a neighbour
+  std::array<Square, kSpots> usable;      ///< weight: 1; 0: saturated, outside or a neighbour's
+  std::array<bool, kSpots> all_usable{};  ///< hint: every weight of the square is 1
 };
 
 /// Where they are, in pixels from the middle of their squares.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruct/detection/spot_square.hpp"
+
 namespace rptv {
 
 namespace {
@@ -30,7 +32,8 @@ SpotOverlaps::SpotOverlaps(const DetectorSettings& settings, const ImageShape& s
       faintest_(static_cast<float>(std::max(settings.threshold, settings.threshold_sigmas * settings.noise_grey))),
       noise_(GreyNoise::of(settings.noise_grey, settings.electrons_per_grey)),
       options_(options),
-      model_(shape) {
+      neighbours_(most_spots, most_crowded_, set) {
+  if (find_hidden_) model_.emplace(shape);
   for (auto* list : {&crowded_, &pending_, &deferred_}) list->reserve(most_spots);
   bends_.reserve(most_spots);
 }
@@ -47,36 +50,34 @@ void SpotOverlaps::expect_width(const std::vector<FittedSpot>& spots) noexcept {
   options_.bend_weight = 1 / (kWidthSpread * kWidthSpread * *middle * *middle);
 }
 
-// The square of a spot without the light of others; false when that has hardly changed since the last fit. Their shot
-// noise stays: pixels weigh less for it.
+// The square of a spot without the light of others, into the next lane; false when that has hardly changed since the
+// last fit. Their shot noise stays: pixels weigh less for it.
 template <class Pixel>
-bool SpotOverlaps::fill(const GreyOverBackground<Pixel>& grey, FittedSpot& spot, std::size_t lane) noexcept {
+bool SpotOverlaps::fill(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots,
+                        std::uint32_t i) noexcept {
   const auto radius = static_cast<std::int32_t>(options_.radius);
-  const auto [middle_x, middle_y] = spot.middle();
-  std::array<float, 2 * SpotBatch::kMostRadius + 1> along_x{};
-  for (std::int32_t dx = -radius; dx <= radius; ++dx) {
-    const auto off = static_cast<float>(middle_x + dx - spot.x_px);
-    along_x[static_cast<std::size_t>(dx + radius)] = std::exp(spot.bend * off * off);
+  light_crowded_square(spots, i, neighbours_.of(i), radius, noise_, square_, set_);
+  const float change = square_.others_sum - spots[i].others;
+  if (change * change < kSettled * kSettled * square_.variance_sum) return false;
+  spots[i].others = square_.others_sum;
+  SpotBatch::Square &light = batch_.grey[batch_size_], &usable = batch_.usable[batch_size_];
+  const auto [middle_x, middle_y] = spots[i].middle();
+  const std::size_t used = (2 * options_.radius + 1) * SpotBatch::kRow;
+  if (has_whole_rows(grey, {middle_x, middle_y}, radius) &&
+      copy_square(grey, {middle_x, middle_y}, radius, light, set_).saturated == 0) {
+    for (std::size_t k = 0; k < used; ++k) light[k] -= square_.others[k], usable[k] = square_.weight[k];
+    return true;
   }
-  float others = 0, variance = 0;
   for (std::int32_t y = middle_y - radius; y <= middle_y + radius; ++y) {
-    const auto off = static_cast<float>(y - spot.y_px);
-    const float along_y = spot.peak * std::exp(spot.bend * off * off);
     auto k = static_cast<std::size_t>(y - middle_y + radius) * SpotBatch::kRow;
-    for (std::int32_t dx = -radius; dx <= radius; ++dx, ++k) {
-      const std::int32_t x = middle_x + dx;
-      batch_.grey[lane][k] = batch_.usable[lane][k] = 0;
+    for (std::int32_t x = middle_x - radius; x <= middle_x + radius; ++x, ++k) {
+      light[k] = usable[k] = 0;
       if (x < 0 || y < 0 || x >= grey.width() || y >= grey.height()) continue;
-      const std::size_t i = grey.index(x, y);
-      const float own = along_x[static_cast<std::size_t>(dx + radius)] * along_y, all = std::max(model_.at(i), own);
-      batch_.grey[lane][k] = grey.over(i) - (all - own);
-      others += all - own, variance += noise_.variance(all);
-      if (!grey.saturated(i)) batch_.usable[lane][k] = noise_.variance(own) / noise_.variance(all);
+      const std::size_t pixel = grey.index(x, y);
+      light[k] = grey.over(pixel) - square_.others[k];
+      if (!grey.saturated(pixel)) usable[k] = square_.weight[k];
     }
   }
-  const float change = others - spot.others;
-  if (change * change < kSettled * kSettled * variance) return false;
-  spot.others = others;
   return true;
 }
 
@@ -93,11 +94,9 @@ void SpotOverlaps::fit_batch(std::vector<FittedSpot>& spots) noexcept {
     const bool runs_away =
         std::abs(x - spot.start.x) > ModelImage::kMostMove || std::abs(y - spot.start.y) > ModelImage::kMostMove;
     if (centres_.bend[lane] == 0 || runs_away) continue;
-    model_.take_away(spot);
     spot.x_px = x, spot.y_px = y;
     spot.variance_px2 = centres_.variance[lane], spot.grey = centres_.grey[lane];
     spot.peak = centres_.peak[lane], spot.bend = centres_.bend[lane];
-    model_.add(spot);
   }
   batch_size_ = 0;
 }
@@ -120,7 +119,7 @@ std::size_t SpotOverlaps::sweep(const GreyOverBackground<Pixel>& grey, std::vect
         deferred_.push_back(i);
         continue;
       }
-      if (!fill(grey, spots[i], batch_size_)) continue;
+      if (!fill(grey, spots, i)) continue;
       in_batch_[batch_size_++] = i;
       ++fits;
       if (batch_size_ == SpotBatch::kSpots) fit_batch(spots);
@@ -149,21 +148,22 @@ std::size_t SpotOverlaps::untangle(const GreyOverBackground<Pixel>& grey, std::v
   }
   if (crowded == 0) return 0;
   if (crowded > most_crowded_) return crowded;
-  for (std::uint32_t i = 0; i < spots.size(); ++i) {
-    if (spots[i].modelled) model_.add(spots[i]);
+  for (std::uint32_t i = 0; i < spots.size(); ++i)
     if (spots[i].crowded) crowded_.push_back(i);
-  }
+  std::size_t left = 0;
   for (int search = 0;; ++search) {
+    if (!neighbours_.find(spots, static_cast<std::int32_t>(options_.radius))) {
+      left = crowded_.size();
+      break;
+    }
     std::int64_t done = 0;
     while (done < sweeps_ && sweep(grey, spots) > 0) ++done;
     remove_false(spots);
     if (!find_hidden_ || search == kSearches || find_hidden(grey, spots) == 0) break;
   }
   widen_errors(spots);
-  for (const FittedSpot& spot : spots)
-    if (spot.modelled) model_.clear(spot);
   std::erase_if(spots, [](const FittedSpot& spot) { return spot.crowded && spot.peak == 0; });
-  return 0;
+  return left;
 }
 
 template std::size_t SpotOverlaps::untangle(const GreyOverBackground<std::uint8_t>&, std::vector<FittedSpot>&) noexcept;

@@ -3,14 +3,17 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
+#include "reconstruct/detection/crowded_square.hpp"
 #include "reconstruct/detection/detector_settings.hpp"
 #include "reconstruct/detection/fitted_spot.hpp"
 #include "reconstruct/detection/grey_over_background.hpp"
 #include "reconstruct/detection/model_image.hpp"
 #include "reconstruct/detection/separate_spots.hpp"
 #include "reconstruct/detection/spot_fit.hpp"
+#include "reconstruct/detection/spot_neighbours.hpp"
 
 namespace rptv {
 
@@ -23,7 +26,8 @@ class SpotOverlaps {
                std::size_t most_spots, InstructionSet set);
 
   /// Improves crowded spots, appends new ones up to the capacity of `spots`, and removes what turned out to be none.
-  /// Returns how many were left as they are because more than settings.max_overlapping are crowded; 0 otherwise.
+  /// Returns how many were left as they are because more than settings.max_overlapping are crowded, or because they see
+  /// more of each other than there is room for; 0 otherwise.
   template <class Pixel>
   std::size_t untangle(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
 
@@ -34,7 +38,7 @@ class SpotOverlaps {
   template <class Pixel>
   std::size_t sweep(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
-  bool fill(const GreyOverBackground<Pixel>& grey, FittedSpot& spot, std::size_t lane) noexcept;
+  bool fill(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots, std::uint32_t i) noexcept;
   void fit_batch(std::vector<FittedSpot>& spots) noexcept;
   template <class Pixel>
   std::size_t find_hidden(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept;
@@ -50,10 +54,12 @@ class SpotOverlaps {
   const float split_sigmas_, faintest_;
   const GreyNoise noise_;
   SpotOptions options_;
-  ModelImage model_;
-  float seen_px_ = 0;  // how far a spot's light reaches into another's square
+  SpotNeighbours neighbours_;
+  std::optional<ModelImage> model_;  // to find hidden ones: zero but while it looks for them
+  float seen_px_ = 0;                // how far a spot's light reaches into another's square
   std::vector<float> bends_;
   std::vector<std::uint32_t> crowded_, pending_, deferred_;  // numbers of spots
+  CrowdedSquare square_{};
   SpotBatch batch_{};
   SpotCentres centres_{};
   std::array<std::uint32_t, SpotBatch::kSpots> in_batch_{};

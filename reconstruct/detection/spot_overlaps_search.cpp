@@ -22,6 +22,8 @@ template <class Pixel>
 std::size_t SpotOverlaps::find_hidden(const GreyOverBackground<Pixel>& grey, std::vector<FittedSpot>& spots) noexcept {
   const std::int32_t reach = static_cast<std::int32_t>(options_.radius) + kSearchBeyond;
   const std::size_t known = spots.size();
+  for (const FittedSpot& spot : spots)
+    if (spot.modelled) model_->add(spot);
   for (const std::uint32_t i : crowded_) {
     if (spots[i].wide) continue;
     const auto [middle_x, middle_y] = spots[i].middle();
@@ -34,21 +36,24 @@ std::size_t SpotOverlaps::find_hidden(const GreyOverBackground<Pixel>& grey, std
         for (std::int32_t dy = -1; dy <= 1; ++dy)
           for (std::int32_t dx = -1; dx <= 1; ++dx) {
             const std::size_t pixel = grey.index(x + dx, y + dy);
-            left += grey.over(pixel) - model_.at(pixel), variance += noise_.variance(grey.over(pixel));
+            left += grey.over(pixel) - model_->at(pixel), variance += noise_.variance(grey.over(pixel));
             saturated |= grey.saturated(pixel);
           }
         if (saturated || left / 9 <= least || left <= split_sigmas_ * std::sqrt(variance)) continue;
-        best = {{x, y}, static_cast<double>(x), static_cast<double>(y), 1, 0, 9, left / 9, spots[i].bend, 0, 0, -1e9F,
-                true};
+        best = {
+            {x, y}, static_cast<double>(x), static_cast<double>(y), 1, 0, 9, left / 9, spots[i].bend, 0, 0, -1e9F, true,
+            true};
         least = best.peak;
       }
     const auto is_near = [&best](const FittedSpot& other) { return distance(best, other) < 1; };
     if (best.peak == 0 || spots.size() == spots.capacity()) continue;
     if (std::any_of(spots.begin() + static_cast<std::ptrdiff_t>(known), spots.end(), is_near)) continue;
     if (options_.bend_weight > 0) best.bend = options_.expected_bend;
-    model_.add(best);
+    model_->add(best);
     spots.push_back(best);
   }
+  for (const FittedSpot& spot : spots)
+    if (spot.modelled) model_->clear(spot);
   for (std::size_t i = known; i < spots.size(); ++i) crowded_.push_back(static_cast<std::uint32_t>(i));
   return spots.size() - known;
 }
@@ -69,14 +74,10 @@ void SpotOverlaps::each_crowded_pair(std::vector<FittedSpot>& spots, double reac
 
 // Those that have become dark, and the fainter of two that have become one. Their peak is 0 then.
 void SpotOverlaps::remove_false(std::vector<FittedSpot>& spots) noexcept {
-  const auto remove = [this](FittedSpot& spot) {
-    model_.take_away(spot);
-    spot.peak = 0;
-  };
   for (const std::uint32_t i : crowded_)
-    if (spots[i].peak < faintest_) remove(spots[i]);
+    if (spots[i].peak < faintest_) spots[i].peak = 0;
   each_crowded_pair(spots, 1, [&](FittedSpot& a, FittedSpot& b) {
-    if (a.peak > 0 && b.peak > 0) remove(a.peak < b.peak ? a : b);
+    if (a.peak > 0 && b.peak > 0) (a.peak < b.peak ? a : b).peak = 0;
   });
   std::erase_if(crowded_, [&](std::uint32_t i) { return spots[i].peak == 0; });
 }

@@ -52,12 +52,13 @@ RPTV_LANES SquareCounts copy(const GreyOverBackground<Pixel>& grey, PixelIndex m
     lit -= over > dark, saturated -= value >= saturation;
     std::memcpy(square.data() + row * kRow, &over, sizeof over);
   }
-  SquareCounts counts;
-  for (std::size_t column = 0; column < side; ++column) {
-    counts.lit += static_cast<std::size_t>(lit[column]);
-    counts.saturated += static_cast<std::size_t>(saturated[column]);
-  }
-  return counts;
+  constexpr std::int32_t kShift = 8;  // both counts in one number: each is at most 49
+  const RowBits columns{0, 1, 2, 3, 4, 5, 6, 7};
+  RowBits both = (lit + (saturated << kShift)) & (columns < static_cast<std::int32_t>(side));
+  both += __builtin_shufflevector(both, both, 4, 5, 6, 7, 0, 1, 2, 3);
+  both += __builtin_shufflevector(both, both, 2, 3, 0, 1, 6, 7, 4, 5);
+  const auto sum = static_cast<std::size_t>(both[0] + both[1]);
+  return {sum & ((1U << kShift) - 1), sum >> kShift};
 }
 
 #define RPTV_COPY(SET, TARGET, LOAD)                                                                            \

@@ -3,7 +3,6 @@
 #include "reconstruct/light_field/device_trial.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <initializer_list>
 #include <random>
@@ -103,23 +102,13 @@ class Trial {
     return same(explain_.particles(), other_particles_.found) ? "" : "it finds other particles";
   }
   void time(DeviceTrial& trial) {
-    constexpr int kRuns = 5;
     use_all();
-    for (int run = 0; run < kRuns; ++run) {
-      const double cpu = ms([&] { cpu_lit(), cpu_rays(), cpu_particles(); });
-      const double device = ms([&] { device_.submit(image_, kLeast, kRounds) && device_.collect(other_frame_); });
-      trial.cpu_ms = run == 0 ? cpu : std::min(trial.cpu_ms, cpu);
-      trial.device_ms = run == 0 ? device : std::min(trial.device_ms, device);
-    }
+    time_trial(
+        trial, [&] { cpu_lit(), cpu_rays(), cpu_particles(); },
+        [&] { device_.submit(image_, kLeast, kRounds) && device_.collect(other_frame_); });
   }
 
  private:
-  template <class Work>
-  static double ms(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  }
   std::span<const std::uint32_t> lit() const { return {cpu_.lit.data(), used_}; }
 
   void use_all() { used_ = std::min(cpu_.found, cpu_.lit.size()); }

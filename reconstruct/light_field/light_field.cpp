@@ -115,7 +115,10 @@ void LightField::submit(const ImageView& image) noexcept { stages_->submit(image
 
 void LightField::collect(Particles& out) noexcept {
   out.clear();
-  if (stages_->find()) stages_->write(out);
+  if (stages_->find()) {
+    stages_->write(out);
+    if (stages_->counts.device_failed) count_set_without_device();
+  }
   stages_->tell(losses_);
 }
 

@@ -24,8 +24,9 @@ double ChanceOfMatch::of(const ViewMatch& match) const noexcept {
   std::uint32_t views = 0;
   for (std::size_t v = 0; v < in_view_.size(); ++v)
     if (match.tuple.detection[v] != kUnseen && ++views > 2) chance *= in_view_[v];
-  const double share = match.square_px2 / (match.tuple.views * tolerance_px_ * tolerance_px_);
-  chance *= std::pow(std::min(share, 1.0), match.tuple.views - 1.5);
+  const double share = std::min(match.square_px2 / (match.tuple.views * tolerance_px_ * tolerance_px_), 1.0);
+  chance *= std::sqrt(share);  // to the power of views - 1.5 in all
+  for (std::uint32_t v = 2; v < match.tuple.views; ++v) chance *= share;
   return chance / (1 + chance);
 }
 

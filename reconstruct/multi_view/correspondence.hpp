@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "core/instruction_set.hpp"
-#include "reconstruct/multi_view/asked_place_kernel.hpp"
 #include "reconstruct/multi_view/epipolar_pencil.hpp"
-#include "reconstruct/multi_view/tuple_solver.hpp"
-#include "reconstruct/multi_view/view_match.hpp"
+#include "reconstruct/multi_view/ray_walk.hpp"
+#include "reconstruct/multi_view/walks_ahead.hpp"
 
 namespace rptv {
 
@@ -20,6 +19,7 @@ struct CorrespondenceOptions {
   double tolerance_px = 1;             ///< largest reprojection error, in every view
   std::size_t max_detections = 16384;  ///< of a view
   std::size_t max_matches = 65536;     ///< before ghosts are removed
+  std::size_t threads = 1;             ///< that share the work; the result does not depend on it
 };
 
 /// Since construction, except where stated.
@@ -34,8 +34,9 @@ struct CorrespondenceCounts {
 /// A ray of the first view is followed through the images of the later ones; what is near it fixes a depth, and the
 /// other views are asked at that depth. Sets that do not meet are tried without views. A set within a set that meets is
 /// not listed. A set of all views (or of kEnoughViews) whose rms error is within half the tolerance settles its
-/// detections: later pairs of views leave them alone. One thread at a time; match() allocates nothing, and its time is
-/// bounded by kWorkPerMatch · max_matches steps of some 10 ns.
+/// detections: later pairs of views leave them alone. Rays are followed in stretches, by several threads at once and
+/// ahead of the list, which takes up what they found in the order of the stretches. One caller at a time; match()
+/// allocates nothing, and its time is bounded by 3·kWorkPerMatch · max_matches steps of some 10 ns.
 class Correspondence {
  public:
   static constexpr std::uint64_t kWorkPerMatch = 64;
@@ -49,7 +50,11 @@ class Correspondence {
     options_.min_views = min_views, options_.tolerance_px = tolerance_px;
   }
 
-  /// One list per view. Valid until the next call, as views().
+  /// Takes what one view saw. Different views at once, each by any thread; then match().
+  void look(std::size_t view, const Detections& seen) noexcept;
+  /// Of what every view saw. Valid until the next look(), as views().
+  std::span<const ViewMatch> match() noexcept;
+  /// Both, of one list per view.
   std::span<const ViewMatch> match(std::span<const Detections> seen) noexcept;
 
   /// Tries tuples that the caller made of detections of the last match(), also when they are within listed ones; those
@@ -62,15 +67,15 @@ class Correspondence {
   const CorrespondenceCounts& counts() const noexcept { return counts_; }
 
  private:
-  struct Seed;
-  void forget() noexcept;
-  void follow(std::size_t first, std::size_t second, std::size_t detection) noexcept;
-  bool meets(Seed& seed, std::size_t view, std::uint32_t detection, double error_px) const noexcept;
-  void extend(const Seed& seed, ViewTuple& tuple, std::size_t view) noexcept;
-  std::size_t ask(const Seed& seed, std::size_t view, std::array<std::uint32_t, kMostHits>& hit) noexcept;
-  void propose(const ViewTuple& tuple) noexcept;
-  void solve(bool all) noexcept;
-  void accept(const ViewMatch& match) noexcept;
+  /// The list, which refuses what it has or has no room for.
+  struct List final : MatchSink {
+    explicit List(Correspondence& owner) : of(owner) {}
+    bool take(const ViewMatch& match) noexcept override;
+    Correspondence& of;
+  };
+  WalkedViews walked() const noexcept;
+  void search(std::size_t first, std::size_t second) noexcept;
+  void count(const WalkCounts& counts) noexcept;
   void settle(std::size_t first_match) noexcept;
   bool listed(const ViewTuple& tuple) const noexcept;
 
@@ -79,12 +84,13 @@ class Correspondence {
   std::vector<SeenView> views_;
   std::array<std::array<PencilOfLines, kMaxViews>, kMaxViews> lines_;  ///< of a view in another
   EpipolarPencil pencil_;
-  TupleSolver solver_;
+  RayWalk walk_;
+  WalksAhead ahead_;
   std::vector<ViewMatch> matches_;
   std::array<std::vector<std::uint32_t>, kMaxViews> first_match_;  ///< of each detection, or kUnseen
   std::array<std::vector<std::uint8_t>, kMaxViews> settled_;       ///< by detection
+  std::array<std::size_t, kMaxViews> unusable_{};                  ///< detections of the last look()
   std::vector<std::array<std::uint32_t, kMaxViews>> next_match_;   ///< of the same detection, or kUnseen
-  std::vector<ViewTuple> doubtful_;  ///< sets to try that are parts of sets that do not meet
   std::uint64_t work_ = 0;
   CorrespondenceCounts counts_;
 };

@@ -38,7 +38,7 @@ struct IterativeViews::Stages {
         threads(thread_count(s.threads)),
         volume(choose_volume(s, rig)),
         rays(trace_views(rig, volume)),
-        correspondence(rays, volume, matching_of(s)),
+        correspondence(rays, volume, matching_of(s, threads)),
         ghosts(rays.size(), static_cast<std::size_t>(s.detector.max_detections),
                static_cast<std::size_t>(s.max_matches), {s.iterative.tolerance_px, s.ghosts == "rank"}),
         peak_options{static_cast<float>(s.detector.threshold), static_cast<float>(s.detector.threshold_sigmas)},
@@ -74,6 +74,7 @@ struct IterativeViews::Stages {
   }
 
   void load(const FrameSet& frames) noexcept;
+  void find_all_peaks() noexcept;
   std::size_t search(std::size_t min_views, double tolerance_px) noexcept;
   void go_round(const Rounds& rounds) noexcept;
   void start() noexcept;
@@ -100,6 +101,7 @@ struct IterativeViews::Stages {
   std::vector<std::vector<float>> scratch;
   std::vector<Point3> expected;
   IterativeCounts counts;
+  ViewObserver* observer = nullptr;
 };
 
 void IterativeViews::Stages::load(const FrameSet& frames) noexcept {
@@ -108,6 +110,12 @@ void IterativeViews::Stages::load(const FrameSet& frames) noexcept {
     if (!gate.usable(frames.frames[c], c)) return view.load_nothing();
     view.load(frames.frames[c].view(), dark[c]);
     if (!sigma_known) cloud.set_sigma(c, typical_sigma_px(view, peak_options, scratch[c], 1));
+  });
+}
+
+void IterativeViews::Stages::find_all_peaks() noexcept {
+  parallel_for(rays.size(), threads, [&](std::size_t v, std::size_t) {
+    find_peaks(cloud.views()[v], peak_options, static_cast<float>(cloud.sigma_px(v)), peaks[v]);
   });
 }
 
@@ -136,9 +144,7 @@ void IterativeViews::Stages::take(const ViewMatch& match) noexcept {
 
 // Returns how many it took up.
 std::size_t IterativeViews::Stages::search(std::size_t min_views, double tolerance_px) noexcept {
-  parallel_for(rays.size(), threads, [&](std::size_t v, std::size_t) {
-    find_peaks(cloud.views()[v], peak_options, static_cast<float>(cloud.sigma_px(v)), peaks[v]);
-  });
+  find_all_peaks();
   for (const Detections& list : peaks) counts.refused_peaks += list.overflow();
   correspondence.demand(min_views, tolerance_px);
   const auto matches = correspondence.match(peaks);
@@ -189,6 +195,10 @@ const CorrespondenceCounts& IterativeViews::correspondence_counts() const noexce
   return stages_->correspondence.counts();
 }
 
+void IterativeViews::show_to(ViewObserver* observer) noexcept { stages_->observer = observer; }
+const Volume& IterativeViews::volume() const noexcept { return stages_->volume; }
+const std::vector<ViewRays>& IterativeViews::rays() const noexcept { return stages_->rays; }
+
 bool IterativeViews::uses_tracks() const noexcept { return stages_->settings.iterative.use_tracks; }
 
 void IterativeViews::expect(const Tracks& expected) noexcept {
@@ -205,6 +215,10 @@ void IterativeViews::reconstruct(const FrameSet& frames, Particles& out) noexcep
   const std::size_t views = s.gate.admit(frames, s.counts);
   if (views == 0) return s.tell(losses_);
   s.load(frames);
+  if (s.observer != nullptr && s.observer->wants()) {
+    s.find_all_peaks();
+    s.observer->see(s.peaks);
+  }
   s.start();
   const IterationSettings& iterative = s.settings.iterative;
   const std::size_t reduced = std::max(static_cast<std::size_t>(s.settings.min_views), views - 1);

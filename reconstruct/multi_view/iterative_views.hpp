@@ -8,6 +8,7 @@
 
 #include "reconstruct/multi_view/correspondence.hpp"
 #include "reconstruct/multi_view/frame_gate.hpp"
+#include "reconstruct/multi_view/view_observer.hpp"
 #include "reconstruct/reconstructor.hpp"
 
 namespace rptv {
@@ -25,7 +26,7 @@ struct IterativeCounts : FrameSetCounts {
 /// searches the residual images for maxima, matches them, and then shakes all particles. Set-up takes all memory; the
 /// rounds and sweeps of a frame are fixed. Particles are in the rig's frame; support is the number of views that see
 /// one.
-class IterativeViews final : public Reconstructor {
+class IterativeViews final : public Reconstructor, public ObservableViews {
  public:
   /// As MultiView's. Throws Error(configuration).
   IterativeViews(const MultiViewSettings& settings, const Rig& rig, std::span<const MultiViewCamera> cameras);
@@ -35,6 +36,10 @@ class IterativeViews final : public Reconstructor {
   /// With settings.iterative.use_tracks. Those of one frame have no velocity yet, and are not looked for.
   bool uses_tracks() const noexcept override;
   void expect(const Tracks& expected) noexcept override;
+  /// Maxima of the images before any round; found only for an observer who wants them.
+  void show_to(ViewObserver* observer) noexcept override;
+  const Volume& volume() const noexcept override;
+  const std::vector<ViewRays>& rays() const noexcept override;
 
   const IterativeCounts& counts() const noexcept;
   const CorrespondenceCounts& correspondence_counts() const noexcept;

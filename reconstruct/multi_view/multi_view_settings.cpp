@@ -19,12 +19,13 @@ void MultiViewSettings::fields(FieldList& list) {
               "each detection is one particle: the best choice of all together, or in order of the DLT's s");
   list.number("drift_alarm_px", drift_alarm_px, 0, 5,
               "a camera that sees particles so far from where the rig says raises a warning; 0: nobody looks; three "
-              "cameras or more, method 'detections'");
+              "cameras or more");
   list.number("drift_window_s", drift_window_s, 0.1, 86400, "over which disparities are averaged, s");
   list.integer("max_particles", max_particles, 1, 1000000, "particles in a frame; more are counted as overflow");
   list.integer("max_matches", max_matches, 1, 10000000,
                "sets of detections that meet in a frame, before ghosts are removed; more are counted as overflow");
-  list.integer("threads", threads, 0, 1024, "that detect; 0: one a camera, as many as the machine has");
+  list.integer("threads", threads, 0, 1024,
+               "that detect and match, at most one a camera; 0: as many as the machine has");
   list.section("detector", detector);
   list.section("iterative", iterative);
 }

@@ -27,7 +27,7 @@ struct MultiViewSettings {
 
   std::int64_t max_particles = 16384;
   std::int64_t max_matches = 65536;  ///< sets of detections that meet, before ghosts are removed
-  std::int64_t threads = 0;          ///< of detection; 0: one a camera, as many as the machine has
+  std::int64_t threads = 0;          ///< at most one a camera; 0: as many as the machine has
   DetectorSettings detector;
   IterationSettings iterative;
 

@@ -50,9 +50,10 @@ Volume choose_volume(const MultiViewSettings& settings, const Rig& rig) {
   return volume;
 }
 
-CorrespondenceOptions matching_of(const MultiViewSettings& settings) {
+CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t threads) {
   return {static_cast<std::size_t>(settings.min_views), settings.tolerance_px,
-          static_cast<std::size_t>(settings.detector.max_detections), static_cast<std::size_t>(settings.max_matches)};
+          static_cast<std::size_t>(settings.detector.max_detections), static_cast<std::size_t>(settings.max_matches),
+          threads};
 }
 
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume) {

@@ -30,8 +30,8 @@ Rig choose_cameras(const MultiViewSettings& settings, const Rig& rig, std::span<
 /// Error(configuration).
 Volume choose_volume(const MultiViewSettings& settings, const Rig& rig);
 
-/// How particle images are matched at first.
-CorrespondenceOptions matching_of(const MultiViewSettings& settings);
+/// How particle images are matched at first, by so many threads.
+CorrespondenceOptions matching_of(const MultiViewSettings& settings, std::size_t threads);
 
 /// Sight rays of every camera. Throws Error(configuration) for one that does not look into the volume.
 std::vector<ViewRays> trace_views(const Rig& rig, const Volume& volume);

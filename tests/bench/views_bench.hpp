@@ -8,5 +8,6 @@ namespace rptv::bench {
 
 void bench_dlt(std::ostream& out, int rounds);
 void bench_matching(std::ostream& out, int rounds);
+void bench_chain(std::ostream& out, int rounds);
 
 }  // namespace rptv::bench

@@ -15,4 +15,5 @@ int main(int argc, char** argv) {
   std::cout << rptv::bench::machine() << "; CPU time of one thread, medians of " << rounds << " alternating runs\n";
   rptv::bench::bench_dlt(std::cout, rounds);
   rptv::bench::bench_matching(std::cout, rounds);
+  rptv::bench::bench_chain(std::cout, rounds);
 }

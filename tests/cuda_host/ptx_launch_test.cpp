@@ -34,8 +34,20 @@ const char* const kText = R"(
 .target sm_75
 .address_size 64
 .visible .entry answer(.param .u64 p0) {
+  .reg .b32 %r<3>;
   ld.param.u64 %rd1, [p0];
-  st.global.u32 [%rd1], 42;  // the C++ says 1
+  mov.u32 %r1, 40;
+  mov.u32 %r2, 0;
+  {
+    .reg .b32 %r1;  // not the one outside
+    .reg .b32 %t<2>;
+    mov.u32 %r1, 1;
+    add.u32 %t0, %r1, 1;
+    { .reg .b32 %r2, %r3; mov.u32 %r2, 7; mov.u32 %r3, 8; }
+    add.u32 %r2, %r2, %t0;
+  }
+  add.u32 %r1, %r1, %r2;
+  st.global.u32 [%rd1], %r1;  // 42; the C++ says 1
   ret;
 }
 .visible .entry at_offset(.param .u64 p0, .param .u32 p1) {
@@ -120,7 +132,7 @@ TEST_F(PtxLaunch, stores_where_it_says) {
 TEST_F(PtxLaunch, store_past_a_block_names_line_and_place) {
   EXPECT_EQ(run(1, at_offset, values_.get(), 32u), cudaErrorLaunchFailure);
   EXPECT_THAT(rptv::cuda_host::last_fault(),
-              testing::AllOf(HasSubstr(".ptx:15"), HasSubstr("offset 32 of a block of 32 bytes")));
+              testing::AllOf(HasSubstr(".ptx:27"), HasSubstr("offset 32 of a block of 32 bytes")));
 }
 
 TEST_F(PtxLaunch, address_must_be_a_multiple_of_the_size) {

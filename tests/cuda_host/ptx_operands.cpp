@@ -2,6 +2,7 @@
 // Reads the operands of PTX instructions.
 #include "tests/cuda_host/ptx_operands.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <cstdlib>
 
@@ -62,8 +63,25 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
+void PtxNames::declare(const std::string& text) {
+  if (scopes_.empty()) return;  // registers of the kernel itself are known by their use
+  for (std::string name : split(text.substr(std::min(text.find('%'), text.size())), ',')) {
+    const std::size_t range = name.find('<');
+    const std::size_t count = range == std::string::npos ? 0 : std::stoul(name.substr(range + 1));
+    name.resize(std::min(range, name.size()));
+    for (std::size_t i = 0; i < std::max<std::size_t>(count, 1); ++i) {
+      const std::string one = count == 0 ? name : name + std::to_string(i);
+      const auto number = static_cast<std::int32_t>(registers.size());
+      registers.emplace(one + " of scope " + std::to_string(number), number);
+      scopes_.back()[one] = number;
+    }
+  }
+}
+
 std::int32_t PtxNames::register_of(const std::string& name) {
   if (name[0] != '%') throw PtxError("'" + name + "' is not known");
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
+    if (const auto found = scope->find(name); found != scope->end()) return found->second;
   return registers.emplace(name, static_cast<std::int32_t>(registers.size())).first->second;
 }
 

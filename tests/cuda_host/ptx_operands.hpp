@@ -20,8 +20,15 @@ struct PtxNames {
   std::int32_t register_of(const std::string& name);
   PtxOperand operand(const std::string& text);
 
+  /// Inner braces: what is declared there (".reg .pred %p1, %q<4>") hides what has the same name outside.
+  void open_scope() { scopes_.emplace_back(); }
+  void close_scope() { scopes_.pop_back(); }
+  void declare(const std::string& text);
+
  private:
   PtxOperand address(const std::string& text);
+
+  std::vector<std::map<std::string, std::int32_t>> scopes_;
 };
 
 /// Splits where the separator stands outside of brackets and braces; parts are trimmed, an empty text has none.

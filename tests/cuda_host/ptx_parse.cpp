@@ -60,8 +60,8 @@ class Body {
   }
 
   void statement(const std::string& text, int line) {
-    if (text.empty() || text.rfind(".reg", 0) == 0 || text.rfind(".loc", 0) == 0 || text.rfind(".pragma", 0) == 0)
-      return;
+    if (text.empty() || text.rfind(".loc", 0) == 0 || text.rfind(".pragma", 0) == 0) return;
+    if (text.rfind(".reg", 0) == 0) return names_.declare(text);
     if (text.rfind(".shared", 0) == 0) return add_shared(declaration(text));
     if (text[0] == '.') throw PtxError("'" + text + "' is not interpreted");
     PtxInstruction instruction;
@@ -86,6 +86,8 @@ class Body {
     kernel_.instructions.push_back(std::move(instruction));
   }
 
+  void open_scope() { names_.open_scope(); }
+  void close_scope() { names_.close_scope(); }
   void label(const std::string& name) { labels_[name] = kernel_.instructions.size(); }
 
   void finish() {
@@ -142,8 +144,10 @@ std::size_t parse_body(const std::string& text, std::size_t at, Body& body, cons
         pending.clear();
       } else if (c == '{' && scope) {
         ++depth;
+        body.open_scope();
       } else if (c == '}' && scope) {
         if (--depth == 0) break;
+        body.close_scope();
       } else {
         pending += c;
       }

@@ -79,6 +79,25 @@ TEST(DriftMonitor, is_silent_while_cameras_stay) {
   }
 }
 
+TEST(DriftMonitor, names_a_camera_that_sees_nothing_until_it_sees_again) {
+  ViewScene scene = testing::make_scene(4, 400, 0.1), dark = testing::make_scene(4, 400, 0.1);
+  dark.detections[2].clear();
+  DriftMonitor monitor(scene.rig, trace_views(scene.rig, kVolume), kVolume, options_of_test(80'000));
+  const auto warnings = [&](const ViewScene* shown) {
+    if (shown != nullptr) monitor.see(shown->detections);
+    StatusReport status;
+    monitor.tell(status);
+    return status.warnings;
+  };
+  EXPECT_THAT(warnings(&scene), ::testing::IsEmpty());
+  const std::string line = "camera '" + scene.rig.cameras[2].name + "' sees next to no particles and the others do: ";
+  EXPECT_THAT(warnings(&dark), ::testing::ElementsAre(HasSubstr(line)));
+  EXPECT_THAT(warnings(nullptr), ::testing::ElementsAre(HasSubstr(line))) << "nothing came that says otherwise";
+  EXPECT_THAT(warnings(&scene), ::testing::IsEmpty());
+  for (auto& view : dark.detections) view.clear();
+  EXPECT_THAT(warnings(&dark), ::testing::IsEmpty()) << "there is nothing to see";
+}
+
 TEST(DriftMonitor, counts_what_it_passes_over_while_it_rests_and_allocates_nothing_for_a_sample) {
   const ViewScene scene = testing::make_scene(4, 400, 0.1);
   DriftMonitor monitor(scene.rig, trace_views(scene.rig, kVolume), kVolume, options_of_test(80'000));

@@ -26,10 +26,15 @@ Config config_of(const testing::PushedRig& pushed, const std::string& rig) {
 }
 
 /// The last status of a recording that goes round and round until the monitor has looked.
-StatusReport watch(const testing::PushedRig& pushed, const std::string& rig) {
+StatusReport watch(const testing::PushedRig& pushed, const std::string& rig, const std::string& method) {
   Config config = config_of(pushed, rig);
+  config.multi_view.method = method;
+  config.multi_view.iterative.use_tracks = false;  // the images matter here
+  config.multi_view.iterative.rounds = config.multi_view.iterative.sweeps = 1;
+  config.multi_view.iterative.reduced_rounds = config.multi_view.iterative.final_sweeps = 0;
+  config.intake.silence_alarm_s = 3600;  // a slow machine warns of it
   config.replay.loop = 0;
-  config.replay.rate_hz = 25, config.replay.speed = 1;
+  config.replay.rate_hz = 5, config.replay.speed = 1;
   config.multi_view.drift_window_s = 0.1;
   LiveListener listener(config.publisher.endpoint);
   Session session(config);
@@ -40,19 +45,23 @@ StatusReport watch(const testing::PushedRig& pushed, const std::string& rig) {
   return listener.status();
 }
 
-TEST(DriftRun, warns_of_the_camera_that_was_pushed) {
+class DriftRunBy : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(DriftRunBy, warns_of_the_camera_that_was_pushed) {
   const testing::PushedRig pushed;
-  const StatusReport drifted = watch(pushed, "rig.toml");
+  const StatusReport drifted = watch(pushed, "rig.toml", GetParam());
   ASSERT_EQ(drifted.drift.cameras.size(), 4U);
   ASSERT_EQ(drifted.warnings.size(), 1U);
   EXPECT_THAT(drifted.warnings[0], HasSubstr("camera 'cam2' sees particles "));
   EXPECT_THAT(drifted.warnings[0], HasSubstr("refine FRAMES --start " + pushed.file("rig.toml")));
 
-  const StatusReport steady = watch(pushed, "true.toml");
+  const StatusReport steady = watch(pushed, "true.toml", GetParam());
   ASSERT_EQ(steady.drift.cameras.size(), 4U);
   EXPECT_THAT(steady.warnings, IsEmpty());
   for (const DisparityReport& camera : steady.drift.cameras) EXPECT_LT(camera.median_px, 0.1) << camera.camera;
 }
+
+INSTANTIATE_TEST_SUITE_P(Methods, DriftRunBy, ::testing::Values("detections", "iterative"));
 
 TEST(DriftRun, goes_on_while_the_monitor_rests) {
   const testing::PushedRig pushed;

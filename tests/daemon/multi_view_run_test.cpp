@@ -8,54 +8,16 @@
 #include "core/points_table.hpp"
 #include "daemon/live_listener.hpp"
 #include "daemon/session.hpp"
+#include "reconstruct/detection/detector.hpp"
+#include "tests/daemon/painted_recording.hpp"
 #include "tests/daemon/run_binary.hpp"
-#include "tests/proto/place.hpp"
-#include "tests/reconstruct/multi_view/camera_frames.hpp"
 
 namespace rptv {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-/// Two frames of four cameras in a folder, the rig, and the configuration that replays them.
-class PaintedRecording {
- public:
-  PaintedRecording() {
-    testing::ViewScene scene = testing::make_scene(4, 40, 0);
-    std::filesystem::create_directory(place_.file("frames"));
-    for (int frame = 0; frame < 2; ++frame) {
-      testing::paint(scene, frames_);
-      for (std::size_t c = 0; c < 4; ++c)
-        write_png(place_.file("frames/cam" + std::to_string(c) + "_" + std::to_string(frame) + ".png"),
-                  frames_.set().frames[c].view());
-    }
-    for (std::size_t c = 0; c < 4; ++c) scene.rig.cameras[c].name = "cam" + std::to_string(c);
-    write_rig(scene.rig, place_.file("cameras.toml"));
-    place_.write("run.toml",
-                 "[replay]\npath = \"frames\"\nrate_hz = 100.0\nspeed = 0.0\n"
-                 "[intake]\npolicy = \"lossless\"\n[reconstruction]\nkind = \"multi_view\"\n"
-                 "[multi_view]\nrig = \"cameras.toml\"\nmax_particles = 1000\n"
-                 "[publisher]\nendpoint = \"" +
-                     place_.ipc() + "\"\n");
-  }
-  std::string file(const std::string& name) const { return place_.file(name); }
-  testing::Said check() const { return testing::run_rapidptv({"check", "--config", file("run.toml")}); }
-  /// Every pixel of a camera's first image.
-  void blank(const std::string& camera, int grey) {
-    frames_.fill(0, grey);
-    write_png(place_.file("frames/" + camera + "_0.png"), frames_.set().frames[0].view());
-  }
-  void swap_in_rig(std::size_t one, std::size_t other) {
-    Rig rig = read_rig(file("cameras.toml"));
-    std::swap(rig.cameras[one].name, rig.cameras[other].name);
-    write_rig(rig, place_.file("cameras.toml"));
-  }
-
- private:
-  Place place_;
-  testing::CameraFrames frames_{{1920, 1200, 1}, 4};
-};
+using testing::PaintedRecording;
 
 std::vector<double> depths(const std::string& file) {
   PointsReader reader(file);
@@ -107,28 +69,6 @@ TEST(MultiViewRun, by_iteration_gives_them_too_with_and_without_tracks) {
   EXPECT_NEAR(static_cast<double>(depths(recording.file("tracked.csv")).size()), 80, 4);
 }
 
-TEST(MultiViewRun, is_warned_by_check_of_cameras_that_are_swapped) {
-  PaintedRecording recording;
-  recording.swap_in_rig(1, 2);
-  const auto said = recording.check();
-  EXPECT_EQ(said.code, 0) << said.err;
-  EXPECT_THAT(said.out, HasSubstr("warning  reconstruction  3 cameras see 4"));
-  EXPECT_THAT(said.out, HasSubstr("are cameras swapped, or have they moved since the calibration?"));
-}
-
-TEST(MultiViewRun, is_warned_by_check_of_a_camera_whose_images_are_saturated_or_empty) {
-  PaintedRecording recording;
-  recording.blank("cam2", 255);
-  recording.blank("cam3", 0);
-  const auto said = recording.check();
-  EXPECT_EQ(said.code, 0) << said.err;
-  EXPECT_THAT(said.out, HasSubstr("camera 'cam2', " + recording.file("frames/cam2_0.png") +
-                                  ": 100 % of the image is saturated; shorten"));
-  EXPECT_THAT(said.out,
-              HasSubstr("camera 'cam3', " + recording.file("frames/cam3_0.png") + ": every pixel is 0; look"));
-  EXPECT_THAT(said.out, Not(HasSubstr("swapped")));
-}
-
 const LossCount* loss_of(const std::vector<LossCount>& losses, LossCause cause) {
   const auto found = std::find_if(losses.begin(), losses.end(), [cause](const LossCount& loss) {
     return loss.cause == cause && loss.place == "reconstruction";
@@ -154,9 +94,57 @@ TEST(MultiViewRun, says_in_status_and_report_what_reconstruction_left_out) {
   ASSERT_NE(kept, nullptr);
   EXPECT_GE(kept->count, told->count);
   EXPECT_GE(kept->count, report.counts.linked * 4 * 20) << "each view has some 40 particle images and room for 16";
-  EXPECT_THAT(to_text(report), HasSubstr("lost: " + std::to_string(kept->count) + " × detection_overflow at recon"));
+  EXPECT_THAT(to_text(report), HasSubstr("lost: " + std::to_string(kept->count) +
+                                         " × detection_overflow at reconstruction: raise multi_view.detector."));
   EXPECT_THAT(to_json(report), HasSubstr(R"({"place":"reconstruction","cause":"detection_overflow","count":)" +
                                          std::to_string(kept->count) + "}"));
+}
+
+/// Detects as the CPU does, for one frame set; then it is lost.
+class LostDevice final : public DetectDevice {
+ public:
+  explicit LostDevice(const DetectDevicePlan& plan) {
+    for (const ImageShape& shape : plan.shapes) detectors_.emplace_back(plan.settings, shape);
+  }
+  bool detect(std::span<const ImageView> images, std::span<Detections> seen) noexcept override {
+    for (std::size_t c = 0; c < images.size(); ++c) detectors_[c].detect(images[c], seen[c]);
+    return !std::exchange(lost_, true);
+  }
+
+ private:
+  std::vector<Detector> detectors_;
+  bool lost_ = false;
+};
+
+TEST(MultiViewRun, goes_on_without_a_device_that_is_lost_and_says_so) {
+  const PaintedRecording recording;
+  Config config = load_config(recording.file("run.toml"), {"replay.loop=0"});
+  config.publisher.status_period_ms = 50;
+  auto source = make_source(config);
+  std::vector<MultiViewCamera> cameras;
+  for (const CameraInfo& camera : source->cameras()) cameras.push_back({camera.name, camera.shape, {}});
+  LiveListener listener(config.publisher.endpoint);
+  Session session(
+      config, std::move(source),
+      std::make_unique<MultiView>(config.multi_view, read_rig(config.multi_view.rig), cameras,
+                                  [](const DetectDevicePlan& plan) { return std::make_unique<LostDevice>(plan); }));
+  session.start();
+  const auto told = [&] {
+    const auto& warnings = listener.status().warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& line) { return line.rfind("the GPU failed; the CPU has done", 0) == 0; });
+  };
+  const std::int64_t deadline_ns = host_now_ns() + 60'000'000'000;
+  while (!told() && host_now_ns() < deadline_ns) listener.poll(100);
+  session.stop();
+  EXPECT_TRUE(told());
+  const SessionReport report = session.report();
+  EXPECT_EQ(report.sets_without_device, report.counts.linked - 1);
+  EXPECT_GE(report.counts.particles, 35 * report.counts.linked);
+  EXPECT_THAT(to_text(report), HasSubstr("the GPU failed; the CPU has done " +
+                                         std::to_string(report.sets_without_device) + " frame sets alone since"));
+  EXPECT_THAT(to_json(report),
+              HasSubstr("\"sets_without_device\":" + std::to_string(report.sets_without_device) + ","));
 }
 
 TEST(MultiViewRun, of_one_light_field_says_which_key_to_set) {

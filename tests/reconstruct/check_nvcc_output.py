@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """What nvcc makes of the CUDA sources, without a GPU: no spills, no stack, little shared memory, nothing fused.
 
-usage: check_nvcc_output.py NVCC ROOT SOURCE...    SOURCE is relative to ROOT. Prints one line per violation and exits 1 when
+usage: check_nvcc_output.py NVCC HOST_COMPILER ROOT SOURCE...    SOURCE is relative to ROOT. Prints one line per violation and exits 1 when
 there is any; exits 77 when NVCC is empty.
 """
 import re
@@ -18,9 +18,9 @@ SHARED_BYTES = 48 * 1024
 WRITTEN_OUT = {"reconstruct/light_field/ray_count_cuda.cu": {"fma.rn.f32"}}
 
 
-def compile_source(nvcc, root, source, arch, folder):
+def compile_source(nvcc, host, root, source, arch, folder):
     """ptxas' report and the PTX of one source."""
-    command = [nvcc, *FLAGS, f"-arch={arch}", f"-I{root}", "-Xptxas", "-v", "-cubin", "--keep", f"--keep-dir={folder}"]
+    command = [nvcc, "-ccbin", host, *FLAGS, f"-arch={arch}", f"-I{root}", "-Xptxas", "-v", "-cubin", "--keep", f"--keep-dir={folder}"]
     done = subprocess.run([*command, str(root / source), "-o", f"{folder}/kernel.cubin"], capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(done.stderr)
@@ -54,7 +54,7 @@ def check_ptx(source, ptx):
 
 
 def main():
-    nvcc, root, sources = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]
+    nvcc, host, root, sources = sys.argv[1], sys.argv[2], Path(sys.argv[3]), sys.argv[4:]
     if not nvcc:
         print("skipped: this build has no nvcc (RPTV_CUDA)")
         sys.exit(77)
@@ -62,7 +62,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for source in sources:
             for arch in ARCHS:
-                report, ptx = compile_source(nvcc, root, source, arch, folder)
+                report, ptx = compile_source(nvcc, host, root, source, arch, folder)
                 kernels, wrong = check_report(report)
                 all_kernels += kernels
                 found += [f"{source} ({arch}): {what}" for what in wrong + check_ptx(source, ptx)]

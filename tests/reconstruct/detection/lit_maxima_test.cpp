@@ -62,17 +62,22 @@ RC_GTEST_PROP(NearPairs, are_those_of_a_plain_double_loop, ()) {
   const auto reach = *rc::gen::inRange(0, kMostReach + 1);
   std::mt19937 random(*rc::gen::inRange(0U, 1U << 30));
   std::vector<PixelIndex> sorted;
-  for (std::int32_t y = 0; y < 16; ++y)
-    for (std::int32_t x = 0; x < 32; ++x)
-      if (random() % (y / 4 % 2 == 0 ? 2 : 50) == 0) sorted.push_back({x, y});
+  for (std::int32_t y = 0; y < 24; ++y)
+    for (std::int32_t x = 0; x < 96; ++x)
+      if (random() % (y / 6 % 2 == 0 ? 2 : 50) == 0) sorted.push_back({x, y});
   std::set<std::pair<std::size_t, std::size_t>> expected, pairs;
   for (std::size_t j = 0; j < sorted.size(); ++j)
     for (std::size_t i = 0; i < j; ++i)
       if (sorted[j].y - sorted[i].y <= reach && std::abs(sorted[j].x - sorted[i].x) <= reach) expected.insert({i, j});
-  std::size_t visits = 0;
-  each_near_pair(sorted, reach, [&](std::size_t i, std::size_t j) { pairs.insert({i, j}), ++visits; });
-  RC_ASSERT(pairs == expected);
-  RC_ASSERT(visits == expected.size());
+  for (const auto set : testing::sets_here()) {
+    std::size_t visits = 0;
+    pairs.clear();
+    each_near_pair(sorted, reach, near_columns(set), [&](std::size_t i, std::size_t j) {
+      pairs.insert({i, j}), ++visits;
+    });
+    RC_ASSERT(pairs == expected);
+    RC_ASSERT(visits == expected.size());
+  }
 }
 
 }  // namespace

@@ -7,9 +7,11 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "reconstruct/detection/lanes.hpp"
 #include "reconstruct/detection/spot_square.hpp"
+#include "reconstruct/detection/square_lanes.hpp"
 #include "tests/core/instruction_sets.hpp"
 #include "tests/reconstruct/random_image.hpp"
 
@@ -98,6 +100,46 @@ TEST(SpotFit, is_exact_for_an_exact_gaussian) {
             EXPECT_LT(centres.misfit[i], 1e-3);
           }
         }
+}
+
+SpotBatch random_batch(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  SpotBatch batch{};
+  for (auto& square : batch.grey)
+    for (float& grey : square) grey = static_cast<float>(random() % 200);
+  for (auto& square : batch.usable) square.fill(1);
+  return batch;
+}
+
+template <std::size_t kLanes>
+void expect_turned(const SpotBatch& batch, std::size_t rows) {
+  typename SquareLanes<kLanes>::Turned turned;
+  SquareLanes<kLanes>::turn(batch.grey.data(), rows, turned);
+  for (std::size_t k = 0; k < rows * SpotBatch::kRow; ++k)
+    for (std::size_t i = 0; i < kLanes; ++i) RC_ASSERT(turned[k][i] == batch.grey[i][k]);
+}
+
+RC_GTEST_PROP(SpotFit, turns_squares_as_a_plain_loop_does, (std::uint32_t seed)) {
+  const SpotBatch batch = random_batch(seed);
+  const std::size_t rows = *rc::gen::element<std::size_t>(3, 5, 7);
+  expect_turned<4>(batch, rows), expect_turned<8>(batch, rows), expect_turned<16>(batch, rows);
+}
+
+RC_GTEST_PROP(SpotFit, gives_the_same_bits_with_and_without_the_hint_and_with_every_instruction_set,
+              (std::uint32_t seed)) {
+  SpotBatch batch = random_batch(seed);
+  SpotOptions options;
+  options.method = *rc::gen::element(SpotMethod::gaussian, SpotMethod::three_point, SpotMethod::centroid);
+  options.radius = *rc::gen::inRange<std::size_t>(1, 4);
+  SpotCentres plain{}, centres{};
+  find_spot_centres(batch, options, plain, InstructionSet::portable);
+  for (const bool all_usable : {false, true})
+    for (const auto set : testing::sets_here()) {
+      batch.all_usable.fill(all_usable);
+      find_spot_centres(batch, options, centres, set);
+      RC_ASSERT(centres.x == plain.x && centres.y == plain.y && centres.variance == plain.variance);
+      RC_ASSERT(centres.grey == plain.grey && centres.peak == plain.peak && centres.bend == plain.bend);
+    }
 }
 
 TEST(SpotFit, leaves_out_what_is_not_usable) {

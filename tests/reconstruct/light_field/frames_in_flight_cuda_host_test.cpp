@@ -12,11 +12,6 @@
 namespace rptv {
 namespace {
 
-using testing::paint;
-using testing::PaintedImage;
-using testing::scene;
-using testing::small_camera;
-
 LightFieldSettings settings_for_rays(std::int64_t rays) {
   LightFieldSettings settings = testing::small_settings();
   settings.max_rays = rays;
@@ -31,7 +26,7 @@ MakeLightFieldDevice make_cuda(bool graph) {
 /// A reconstructor, and the columns of what it finds.
 struct Side {
   Side(const LightFieldSettings& settings, const MakeLightFieldDevice& make_device)
-      : light_field(settings, small_camera(), {}, make_device) {}
+      : light_field(settings, testing::small_camera(), {}, make_device) {}
   Particles collect() {
     Particles found(512);
     light_field.collect(found);
@@ -62,8 +57,8 @@ TEST(LightFieldInFlight, gives_each_frame_its_particles_in_order_and_allocates_n
     auto settings = settings_for_rays(12000);
     settings.running_background = true;
     Side cpu(settings, nullptr), device(settings, make_cuda(graph));
-    std::vector<PaintedImage> images;
-    for (unsigned seed = 1; seed <= 3; ++seed) images.push_back(paint(scene(seed)));
+    std::vector<testing::PaintedImage> images;
+    for (unsigned seed = 1; seed <= 3; ++seed) images.push_back(testing::paint(testing::scene(seed)));
     std::vector<Particles> expected;
     for (const auto& image : images) expected.push_back(cpu.find(image.view()));
     const std::size_t bytes = cuda_host::device_bytes_in_use();
@@ -80,7 +75,7 @@ TEST(LightFieldInFlight, gives_each_frame_its_particles_in_order_and_allocates_n
 
 TEST(LightFieldInFlight, refuses_a_frame_between_others_and_counts_it) {
   Side cpu(settings_for_rays(12000), nullptr), device(settings_for_rays(12000), make_cuda(true));
-  const PaintedImage image = paint(scene(5)), other(small_camera(256, 384));
+  const testing::PaintedImage image = testing::paint(testing::scene(5)), other(testing::small_camera(256, 384));
   const Particles expected = cpu.find(image.view());
   device.light_field.submit(image.view());
   device.light_field.submit(other.view());
@@ -93,7 +88,7 @@ TEST(LightFieldInFlight, refuses_a_frame_between_others_and_counts_it) {
 
 TEST(LightFieldInFlight, records_again_when_images_have_other_pixels) {
   Side cpu(settings_for_rays(12000), nullptr), device(settings_for_rays(12000), make_cuda(true));
-  PaintedImage image = paint(scene(6));
+  testing::PaintedImage image = testing::paint(testing::scene(6));
   std::vector<std::byte> narrow;
   for (const std::uint16_t grey : image.pixels()) narrow.push_back(static_cast<std::byte>(grey));
   const ImageView bytes{narrow.data(), {512, 384, 1}};
@@ -104,15 +99,15 @@ TEST(LightFieldInFlight, records_again_when_images_have_other_pixels) {
 
 TEST(LightFieldInFlight, takes_more_turns_than_were_recorded_where_particles_crowd) {
   Side cpu(settings_for_rays(40000), nullptr), device(settings_for_rays(40000), make_cuda(true));
-  const PaintedImage image = paint(testing::scatter(120, 1.9, 1.4, -20, 10, 0.15, 2));
+  const testing::PaintedImage image = testing::paint(testing::scatter(120, 1.9, 1.4, -20, 10, 0.15, 2));
   EXPECT_TRUE(same(device.find(image.view()), cpu.find(image.view())));
   EXPECT_EQ(device.light_field.counts().device_unsure, 0U);
 }
 
 // What happens to those who do not wait: streams of the executor run as late as they may.
 TEST(LightFieldInFlight, shows_in_tests_when_an_image_is_refilled_too_early) {
-  PaintedImage image = paint(scene(7));
-  const PaintedImage before = image;
+  testing::PaintedImage image = testing::paint(testing::scene(7));
+  const testing::PaintedImage before = image;
   Side cpu(settings_for_rays(12000), nullptr), device(settings_for_rays(12000), make_cuda(true));
   ASSERT_TRUE(device.light_field.page_lock(std::as_writable_bytes(std::span(image.pixels()))));
   const Particles expected = cpu.find(before.view());

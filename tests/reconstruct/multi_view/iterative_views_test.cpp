@@ -69,6 +69,45 @@ TEST_F(DenseScene, is_found_at_once_where_tracks_are_expected) {
   EXPECT_EQ(stage_.counts().expected, scene_.truth().size());  // they count for one frame set
 }
 
+struct Onlooker final : ViewObserver {
+  bool wanting = true;
+  std::vector<std::size_t> seen;
+  bool wants() noexcept override { return wanting; }
+  void see(std::span<const Detections> views) noexcept override {
+    seen.clear();
+    for (const Detections& view : views) seen.push_back(view.size());
+  }
+};
+
+TEST(IterativeViews, shows_whole_images_to_those_who_want_them_and_finds_the_same) {
+  LptScene scene(0.02, 0.1);
+  FrameSet& frames = scene.frames(0);
+  IterativeViews alone(scene.settings(), scene.rig(), scene.cameras());
+  IterativeViews watched(scene.settings(), scene.rig(), scene.cameras());
+  Particles found(2 * scene.truth().size()), seen_found(2 * scene.truth().size());
+  Onlooker onlooker;
+  watched.show_to(&onlooker);
+  alone.reconstruct(frames, found);
+  watched.reconstruct(frames, seen_found);
+  EXPECT_EQ(seen_found.x_mm, found.x_mm);
+  ASSERT_EQ(onlooker.seen.size(), 4U);
+  const auto at_first = onlooker.seen;
+  Tracks expected(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    expected.push({i, found.x_mm[i], found.y_mm[i], found.z_mm[i], 0, 0, 0, 0, 1});
+  watched.expect(expected);
+  watched.reconstruct(frames, found);
+  for (std::size_t c = 0; c < 4; ++c) {
+    EXPECT_GT(at_first[c], scene.truth().size() / 2) << "overlaps leave fewer maxima than particles";
+    EXPECT_GT(onlooker.seen[c], at_first[c] * 9 / 10) << "although tracks explain most of them";
+    EXPECT_LT(onlooker.seen[c], at_first[c] * 11 / 10);
+  }
+  onlooker.wanting = false;
+  onlooker.seen.clear();
+  watched.reconstruct(frames, found);
+  EXPECT_TRUE(onlooker.seen.empty());
+}
+
 TEST_F(DenseScene, costs_no_allocation_after_the_first_frame) {
   if (!AllocationCounter::kCounts) GTEST_SKIP() << "the sanitizer's allocator is not counted";
   stage_.reconstruct(scene_.frames(0), found_);
