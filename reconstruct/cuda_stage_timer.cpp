@@ -10,13 +10,6 @@ thread_local StageTimer* watching = nullptr;
 
 }  // namespace
 
-const char* name_of(CudaStage stage) noexcept {
-  constexpr std::array<const char*, kCudaStages> kNames{
-      "between stages", "upload",         "lit pixels",     "rays, sorted",    "count", "maxima", "fits",
-      "detection",      "cells of views", "pairs of views", "tuples of views", "dlt",   "ghosts", "download"};
-  return kNames[static_cast<std::size_t>(stage)];
-}
-
 StageMarks::StageMarks() : marks_(std::make_unique<Mark[]>(kMostMarks)) {}
 
 void StageMarks::record(bool on) noexcept {

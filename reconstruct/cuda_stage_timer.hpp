@@ -19,7 +19,13 @@ enum class CudaStage : std::uint8_t {
 };
 // clang-format on
 constexpr std::size_t kCudaStages = static_cast<std::size_t>(CudaStage::end);
-const char* name_of(CudaStage stage) noexcept;  ///< as tables have it
+/// As tables have it.
+inline const char* name_of(CudaStage stage) noexcept {
+  constexpr std::array<const char*, kCudaStages> kNames{
+      "between stages", "upload",         "lit pixels",     "rays, sorted",    "count", "maxima", "fits",
+      "detection",      "cells of views", "pairs of views", "tuples of views", "dlt",   "ghosts", "download"};
+  return kNames[static_cast<std::size_t>(stage)];
+}
 
 /// Copies count by their bytes in the stage that they are queued in, kernels by what CudaStream::tell() says.
 struct StageCost {

@@ -21,6 +21,13 @@ class Reconstructor {
   /// Clears `out` and fills it with the particles of one instant, in order of falling support. One thread at a time.
   virtual void reconstruct(const FrameSet& frames, Particles& out) noexcept = 0;
 
+  /// Begins with a frame set; collect() gives the particles of the first that was submitted, as reconstruct() would.
+  /// The set, its frames and their order stay as they are until then. At most most_in_flight() at a time, which may
+  /// fall with each collect(); beyond 1, work of the next overlaps that of the first. No reconstruct() in between.
+  virtual void submit(const FrameSet& frames) noexcept { submitted_ = &frames; }
+  virtual void collect(Particles& out) noexcept { reconstruct(*submitted_, out); }
+  virtual std::size_t most_in_flight() const noexcept { return 1; }
+
   /// Frames to come lie in `memory`, which outlives this. Set-up only. False when page-locked memory would make it
   /// faster, and the system refuses that.
   virtual bool page_lock(std::span<std::byte> /*memory*/) noexcept { return true; }
@@ -41,6 +48,7 @@ class Reconstructor {
   Losses losses_;
 
  private:
+  const FrameSet* submitted_ = nullptr;
   std::atomic<std::uint64_t> sets_without_device_{0};
 };
 

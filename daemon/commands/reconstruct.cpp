@@ -2,6 +2,7 @@
 // `rapidptv reconstruct`: images in, a table of points out.
 #include <fmt/format.h>
 
+#include <array>
 #include <iostream>
 
 #include "core/tables.hpp"
@@ -81,6 +82,9 @@ void tell(const ImageSequence& images, const LightFieldCounts& counts, std::uint
                              counts.refused_candidates);
   if (counts.refused_particles > 0)
     std::cerr << fmt::format("{} particles were left out: raise light_field.max_particles\n", counts.refused_particles);
+  if (counts.device_unsure > 0)
+    std::cerr << fmt::format("{} times the CPU explained rays since the device was unsure; the results are the same\n",
+                             counts.device_unsure);
 }
 
 ExitCode reconstruct(const ReconstructOptions& options) {
@@ -92,24 +96,34 @@ ExitCode reconstruct(const ReconstructOptions& options) {
   }
   const ImageSequence images = open_images(options, config);
   const std::vector<double> times = times_of(options, config, images);
+  std::array<std::vector<std::byte>, kDeviceFrames> pixels;  // a device may read one while the next is decoded
+  for (auto& buffer : pixels) buffer.resize(images.shape().bytes());
   std::string where;
   const auto stage = make_reconstructor(config, {{images.camera(), images.shape(), images.significant_bits()}}, &where);
   auto& light_field = dynamic_cast<LightField&>(*stage);
   std::cerr << where << '\n';
+  for (auto& buffer : pixels) light_field.page_lock(buffer);
   for (const auto& warning : read_light_field_calibration(config.light_field.calibration).warnings())
     std::cerr << "warning: " << config.light_field.calibration << ": " << warning << '\n';
   PointsWriter points(options.output, {.covariance = true, .ghost = true, .time = !times.empty()});
   ImageSequence::Reader reader(images);
-  std::vector<std::byte> pixels(images.shape().bytes());
   Particles particles(static_cast<std::size_t>(config.light_field.max_particles));
   std::uint64_t total = 0;
+  std::size_t done = 0;
   Progress progress("reconstructing", images.size());
-  for (std::size_t i = 0; i < images.size(); ++i, progress.advance()) {
-    reader.decode(i, pixels);
-    light_field.reconstruct({pixels.data(), images.shape()}, particles);
-    points.write(images.number(i), times.empty() ? kNoTime : times[i], particles);
+  const auto finish_one = [&] {
+    light_field.collect(particles);
+    points.write(images.number(done), times.empty() ? kNoTime : times[done], particles);
     total += particles.size();
+    ++done, progress.advance();
+  };
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    while (i - done >= light_field.most_in_flight()) finish_one();
+    auto& buffer = pixels[i % pixels.size()];
+    reader.decode(i, buffer);
+    light_field.submit(ImageView{buffer.data(), images.shape()});
   }
+  while (done < images.size()) finish_one();
   points.close();
   tell(images, light_field.counts(), total);
   if (stage->sets_without_device() > 0) std::cerr << device_failure(stage->sets_without_device()) << '\n';

@@ -45,11 +45,23 @@ bool CandidateSearch::by_device(bool done) noexcept {
   return done;
 }
 
+bool CandidateSearch::tell(const DarkLimit& limit, bool changed) noexcept {
+  if (device_ && (changed || !device_has_limit_)) device_has_limit_ = by_device(device_->set_limit(limit));
+  return device_ != nullptr;
+}
+
+bool CandidateSearch::submit(const ImageView& image, const DarkLimit& limit, bool changed) noexcept {
+  return tell(limit, changed) && by_device(device_->submit(image, min_count_, rounds_));
+}
+
+bool CandidateSearch::collect(DeviceFrame& frame) noexcept {
+  return device_ != nullptr && by_device(device_->collect(frame));
+}
+
 std::size_t CandidateSearch::find_lit(const ImageView& image, const DarkLimit& limit, bool changed,
                                       std::span<std::uint32_t> lit) noexcept {
   std::size_t found = 0;
-  if (device_ && (changed || !device_has_limit_)) device_has_limit_ = by_device(device_->set_limit(limit));
-  if (device_ && by_device(device_->find_lit_pixels(image, lit, found))) return found;
+  if (tell(limit, changed) && by_device(device_->find_lit_pixels(image, lit, found))) return found;
   return find_lit_pixels(image, limit, lit);
 }
 
@@ -63,12 +75,8 @@ std::size_t CandidateSearch::find_rays(std::span<const std::uint32_t> lit, Rays&
 bool CandidateSearch::find_particles(Rays& rays, DeviceParticles& particles) noexcept {
   if (!device_) return false;
   if (claim_ && by_device(device_->find_particles(min_count_, rounds_, particles)) && particles.sure) return true;
-  fetch(rays);
+  if (!read_rays(rays)) pixels_to_rays_.convert(converted_, rays);
   return false;
-}
-
-void CandidateSearch::fetch(Rays& rays) noexcept {
-  if (!device_ || !by_device(device_->read_rays(rays))) pixels_to_rays_.convert(converted_, rays);
 }
 
 bool CandidateSearch::cloud_is_dense() const noexcept {

@@ -21,6 +21,13 @@ class CandidateSearch {
 
   /// Reconstructor::page_lock().
   bool page_lock(std::span<std::byte> memory) noexcept { return device_ == nullptr || device_->page_lock(memory); }
+  /// Begins with a frame on the device, from grey values to particles, where there is one that can; collect() waits for
+  /// the first that was begun with, and is false when the device has failed. At most kDeviceFrames at a time.
+  bool submit(const ImageView& image, const DarkLimit& limit, bool changed) noexcept;
+  bool collect(DeviceFrame& frame) noexcept;
+  bool does_frames() const noexcept { return device_ != nullptr && claim_; }
+  /// The rays of the frame that was collected last, for find(); false when the device has failed.
+  bool read_rays(Rays& rays) noexcept { return device_ != nullptr && by_device(device_->read_rays(rays)); }
   /// find_lit_pixels(). `changed`: the limits are not those of the last call.
   std::size_t find_lit(const ImageView& image, const DarkLimit& limit, bool changed,
                        std::span<std::uint32_t> lit) noexcept;
@@ -40,7 +47,7 @@ class CandidateSearch {
 
  private:
   bool by_device(bool done) noexcept;
-  void fetch(Rays& rays) noexcept;
+  bool tell(const DarkLimit& limit, bool changed) noexcept;
   bool cloud_is_dense() const noexcept;
 
   const PixelsToRays& pixels_to_rays_;

@@ -69,7 +69,7 @@ class Trial {
   std::string compare() {
     if (!device_.set_limit(limit_) || !device_lit()) return "it fails at the threshold";
     cpu_lit();
-    used_ = std::min(cpu_.found, cpu_.lit.size());
+    use_all();
     if (cpu_.found != other_.found || cpu_.lit != other_.lit) return "it finds other lit pixels";
     if (!device_rays() || !device_.read_rays(other_.rays)) return "it fails at the rays";
     cpu_rays();
@@ -83,8 +83,17 @@ class Trial {
     }
     return compare_particles();
   }
-  // In ever fewer rows of the image, until the device is sure.
+  // Two frames at once; then ever fewer rows of one, until the device is sure.
   std::string compare_particles() {
+    cpu_particles();
+    if (!device_.submit(image_, kLeast, kRounds) || !device_.submit(image_, kLeast, kRounds))
+      return "it takes no frames";
+    for (int frame = 0; frame < 2; ++frame) {
+      if (!device_.collect(other_frame_)) return "it fails at a frame";
+      if (other_frame_.lit_pixels != cpu_.found || other_frame_.rays != cpu_.rays.size ||
+          (other_particles_.sure && !same(explain_.particles(), other_particles_.found)))
+        return "it finds other particles in a frame";
+    }
     do {
       if (!device_rays() || !device_particles()) return "it fails at the particles";
     } while (!other_particles_.sure && (used_ /= 2) > 0);
@@ -93,14 +102,16 @@ class Trial {
     return same(explain_.particles(), other_particles_.found) ? "" : "it finds other particles";
   }
   void time(DeviceTrial& trial) {
+    use_all();
     time_trial(
         trial, [&] { cpu_lit(), cpu_rays(), cpu_particles(); },
-        [&] { device_lit() && device_rays() && device_particles(); });
+        [&] { device_.submit(image_, kLeast, kRounds) && device_.collect(other_frame_); });
   }
 
  private:
   std::span<const std::uint32_t> lit() const { return {cpu_.lit.data(), used_}; }
 
+  void use_all() { used_ = std::min(cpu_.found, cpu_.lit.size()); }
   void cpu_lit() { cpu_.found = find_lit_pixels(image_, limit_, cpu_.lit); }
   void cpu_rays() { cpu_.refused = plan_.pixels_to_rays.convert(lit(), cpu_.rays); }
   void cpu_candidates(std::uint16_t least) {
@@ -142,7 +153,8 @@ class Trial {
   RayCounter counter_;
   CoarseMaxima maxima_;
   ExplainAway explain_;
-  DeviceParticles other_particles_;
+  DeviceFrame other_frame_;
+  DeviceParticles& other_particles_ = other_frame_.particles;
   std::vector<std::uint8_t> taken_;
 };
 

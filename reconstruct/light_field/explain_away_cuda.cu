@@ -182,9 +182,15 @@ __global__ void append_particles(CudaExplain e) {
   }
 }
 
-__global__ void count_particles(CudaExplain e) {
-  if (cuda_item() == 0)
-    e.explained->particles = min(e.explained->particles + e.explained->accepted, e.particle_capacity);
+__global__ void count_round(CudaExplain e) {
+  CudaExplained& all = *e.explained;
+  if (cuda_item() != 0) return;
+  all.particles = min(all.particles + all.accepted, e.particle_capacity);
+  if (all.waiting > 0) all.unsure |= kTooFewTurns;
+  if (all.over != 0) return;
+  const std::uint32_t kept = candidates_of(e);
+  ++all.rounds, all.candidates += kept, all.refused_candidates += *e.candidates - kept;
+  all.over = all.accepted == 0 ? 1 : 0;
 }
 
 bool clear(void* values, std::size_t bytes, void* stream) noexcept {
@@ -218,7 +224,7 @@ bool take_turns_cuda(const CudaExplain& explain, void* stream, unsigned threads_
 
 bool end_round_cuda(const CudaExplain& explain, void* stream, unsigned threads_per_block) noexcept {
   return launch(append_particles, explain.candidate_capacity, threads_per_block, stream, explain) &&
-         launch(count_particles, 1, threads_per_block, stream, explain);
+         launch(count_round, 1, threads_per_block, stream, explain);
 }
 
 }  // namespace rptv

@@ -18,15 +18,18 @@ using CudaTurn = unsigned long long;
 
 /// What a device has to say of a round, and of all.
 struct CudaExplained {
-  std::uint32_t waiting;    ///< candidates whose turn has not come
-  std::uint32_t accepted;   ///< in this round
-  std::uint32_t particles;  ///< in all
-  std::uint32_t unsure;     ///< 0, or why the result may not be the CPU's: CudaUnsure
+  std::uint32_t waiting;                                 ///< candidates whose turn has not come
+  std::uint32_t accepted;                                ///< in this round
+  std::uint32_t particles;                               ///< in all
+  std::uint32_t rounds, candidates, refused_candidates;  ///< in all, up to the first round that accepts none
+  std::uint32_t over;                                    ///< 1: that round has been
+  std::uint32_t unsure;                                  ///< 0, or why the result may not be the CPU's: CudaUnsure
 };
 enum CudaUnsure : std::uint32_t {
   kTooManyNear = 1,       ///< more rays near a candidate than there is room for
   kOutOfTurn = 2,         ///< a candidate has moved to rays that one with a later turn had used
   kTooManyParticles = 4,  ///< the CPU leaves out the last ones, whose rays others may then take
+  kTooFewTurns = 8,       ///< candidates waited at the end of a round
 };
 
 /// A particle without what the image shows.
@@ -70,7 +73,7 @@ bool queue_up_cuda(const CudaExplain& explain, void* stream, unsigned threads_pe
 /// Each candidate that no other one with rays in common goes before: it is fitted, and accepted when ExplainAway would
 /// accept it next, or waits for a later turn. `explained` says how many wait.
 bool take_turns_cuda(const CudaExplain& explain, void* stream, unsigned threads_per_block = 128) noexcept;
-/// When none waits: those that were accepted become particles, in the order of their turns.
+/// When none waits (else the result is unsure): those that were accepted become particles, in the order of their turns.
 bool end_round_cuda(const CudaExplain& explain, void* stream, unsigned threads_per_block = 128) noexcept;
 /// ExplainAway::settle(), but for the order of the particles.
 bool settle_cuda(const CudaExplain& explain, void* stream, unsigned threads_per_block = 128) noexcept;

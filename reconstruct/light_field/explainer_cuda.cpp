@@ -81,28 +81,33 @@ bool ExplainerCuda::explain(CudaStream& stream) noexcept {
         !stream.synchronize())
       return false;
   } while (explained_[0].waiting > 0 && sure());
-  return stream.stage(CudaStage::fits) && end_round_cuda(explain_, stream.handle()) && stream.stage(CudaStage::none);
+  return stream.stage(CudaStage::fits) && end_round_cuda(explain_, stream.handle());
 }
 
-bool ExplainerCuda::settle(CudaStream& stream, std::vector<FittedParticle>& found) noexcept {
-  found.clear();
-  if (!stream.stage(CudaStage::fits) || !settle_cuda(explain_, stream.handle()) || !stream.stage(CudaStage::download) ||
-      !stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) || !stream.stage(CudaStage::none) ||
-      !stream.synchronize())
-    return false;
-  const std::size_t count = explained_[0].particles;
-  if (!sure()) return true;
-  if (!stream.stage(CudaStage::download) ||
-      !stream.download(particles_.data(), particle_.data(), count * sizeof(CudaParticle)) ||
-      !stream.stage(CudaStage::none) || !stream.synchronize())
-    return false;
-  for (std::size_t k = 0; k < count; ++k) {
-    FittedParticle& particle = found.emplace_back();
+bool ExplainerCuda::queue_turns(CudaStream& stream, int turns) noexcept {
+  bool done = stream.stage(CudaStage::fits) && queue_up_cuda(explain_, stream.handle());
+  for (int turn = 0; turn < turns; ++turn) done = done && take_turns_cuda(explain_, stream.handle());
+  return done && end_round_cuda(explain_, stream.handle());
+}
+
+bool ExplainerCuda::queue_settle(CudaStream& stream) noexcept {
+  return stream.stage(CudaStage::fits) && settle_cuda(explain_, stream.handle()) && stream.stage(CudaStage::download) &&
+         stream.download(&explained_[0], on_device_.data(), sizeof(CudaExplained)) &&
+         stream.download(particles_.data(), particle_.data(), particle_.size() * sizeof(CudaParticle)) &&
+         stream.stage(CudaStage::none);
+}
+
+void ExplainerCuda::read(DeviceParticles& particles) const noexcept {
+  const CudaExplained& all = explained_[0];
+  particles.sure = sure(), particles.rounds = all.rounds;
+  particles.candidates = all.candidates, particles.refused_candidates = all.refused_candidates;
+  particles.found.clear();
+  for (std::size_t k = 0; sure() && k < all.particles; ++k) {
+    FittedParticle& particle = particles.found.emplace_back();
     particle.at = particles_[k].at, particle.support = particles_[k].support;
     particle.residual_mm = particles_[k].residual_mm, particle.covariance = particles_[k].covariance;
   }
-  std::sort(found.begin(), found.end(), by_support);
-  return true;
+  std::sort(particles.found.begin(), particles.found.end(), by_support);
 }
 
 }  // namespace rptv

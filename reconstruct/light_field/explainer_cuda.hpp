@@ -26,9 +26,14 @@ class ExplainerCuda {
   /// ExplainAway::explain() with the candidates: waits until their turns are over. accepted() tells how many were.
   bool explain(CudaStream& stream) noexcept;
   std::uint32_t accepted() const noexcept { return explained_[0].accepted; }
-  /// ExplainAway::settle(): replaces `found`. When sure() is false, the CPU has to do it all again.
-  bool settle(CudaStream& stream, std::vector<FittedParticle>& found) noexcept;
+  /// The same in so many turns, and without waiting.
+  bool queue_turns(CudaStream& stream, int turns) noexcept;
+  /// ExplainAway::settle(), without waiting.
+  bool queue_settle(CudaStream& stream) noexcept;
+  /// What is known when the stream has got there.
+  void read(DeviceParticles& particles) const noexcept;
   bool sure() const noexcept { return explained_[0].unsure == 0; }
+  bool needs_more_turns() const noexcept { return explained_[0].unsure == kTooFewTurns; }
 
  private:
   DeviceArray<ImagePoint> at_;

@@ -1,191 +1,63 @@
 // SPDX-License-Identifier: MIT
-// The light-field chain, one step a line.
+// Frames in, particles out: by a device as a whole, or by the steps of light_field_stages.cpp.
 #include "reconstruct/light_field/light_field.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "calibration/light_field/object_map.hpp"
-#include "reconstruct/light_field/candidate_search.hpp"
-#include "reconstruct/light_field/dense_search.hpp"
 #include "reconstruct/light_field/ghost_probability.hpp"
-#include "reconstruct/light_field/light_field_dark.hpp"
+#include "reconstruct/light_field/light_field_stages.hpp"
 #include "reconstruct/light_field/light_field_volume.hpp"
-#include "reconstruct/light_field/neighbour_spread.hpp"
-#include "reconstruct/light_field/pair_spread.hpp"
-#include "reconstruct/parallel.hpp"
 
 namespace rptv {
 
-namespace {
+bool LightField::Stages::does_frames() const noexcept { return search.does_frames() && !shake; }
 
-ImageShape shape_of(const LightFieldCalibration& calibration) {
-  return {static_cast<std::uint32_t>(calibration.sensor.width_px),
-          static_cast<std::uint32_t>(calibration.sensor.height_px), 2};
+void LightField::Stages::submit(const ImageView& image) noexcept {
+  const bool fits = image.data != nullptr && image.shape.has_size_of(shape);
+  Begun& next = begun[submitted++ % begun.size()];
+  next = {fits ? image : ImageView{}, false};
+  if (!fits || !does_frames()) return;
+  dark.refresh();
+  next.on_device = search.submit(image, dark.now().limit, dark.follows());
+  if (next.on_device) dark.offer(image);
 }
 
-double per_pupil_distance(const LightFieldCalibration& calibration) {
-  return calibration.lens.exit_pupil_mm > 0 ? 1 / calibration.lens.exit_pupil_mm : 0;
-}
-
-}  // namespace
-
-struct LightField::Stages {
-  Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration, const ImageView& background,
-         const MakeLightFieldDevice& make_device);
-
-  void find_particles(std::size_t lit_pixels) noexcept;
-  void explain() noexcept;
-  void append(std::span<const FittedParticle> found) noexcept;
-  std::size_t keep_unexplained(std::size_t lit_pixels) noexcept;
-  void refine(const ImageView& image, std::size_t lit_pixels) noexcept;
-  void find_overlapping(const ImageView& image) noexcept;
-  void take_over(std::span<const JointParticle> found) noexcept;
-  void write(Particles& out) const noexcept;
-  void tell(Losses& losses) const noexcept;
-
-  const LightFieldSettings settings;
-  const ImageShape shape;
-  const LensletLattice lattice;
-  LightFieldDark dark;
-  const PixelsToRays pixels_to_rays;
-  const RayWindow window;
-  const VoxelGrid grid;
-  const std::uint16_t min_count;
-  const ObjectMap object_map;
-  const bool in_object_space;
-
-  std::vector<std::uint32_t> lit;
-  Rays rays;
-  const ExplainOptions explain_options;
-  CandidateSearch search;
-  ExplainAway explain_away;
-  DeviceParticles by_device;
-  std::unique_ptr<Shake> shake;               // with settings.refine
-  std::unique_ptr<DenseSearch> dense_search;  // with settings.refine_search = "grey_values"
-  std::unique_ptr<PairSpread> pair_spread;
-  std::unique_ptr<NeighbourSpread> neighbours;  // with settings.refine_search = "rays"
-  std::vector<FittedParticle> particles;
-  LightFieldCounts counts;
-};
-
-LightField::Stages::Stages(const LightFieldSettings& s, const LightFieldCalibration& calibration,
-                           const ImageView& background, const MakeLightFieldDevice& make_device)
-    : settings(s),
-      shape(shape_of(calibration)),
-      lattice(calibration),
-      dark(s, calibration, lattice, shape, background),
-      pixels_to_rays(calibration, lattice, static_cast<std::size_t>(s.max_hypotheses)),
-      window(lattice, per_pupil_distance(calibration), pixels_to_rays.slope_half_range()),
-      grid(make_grid(s, calibration, pixels_to_rays.slope_half_range())),
-      min_count(make_min_count(s, calibration)),
-      object_map(calibration),
-      in_object_space(s.space == "object"),
-      lit(static_cast<std::size_t>(s.max_rays)),
-      rays(static_cast<std::size_t>(s.max_rays), lattice.size()),
-      explain_options(make_explain_options(s, calibration, grid, min_count)),
-      search(s,
-             {shape, lattice, pixels_to_rays, grid, window, explain_options, rays.capacity(),
-              explain_options.max_candidates, explain_options.threads},
-             min_count, make_device),
-      explain_away(window, explain_options) {
-  by_device.found.reserve(explain_options.max_particles);
-  particles.reserve(static_cast<std::size_t>(s.max_particles));
-  if (!s.refine) return;
-  const ShakeOptions options = make_shake_options(s, calibration, explain_options);
-  shake = std::make_unique<Shake>(calibration, lattice, options);
-  pair_spread = std::make_unique<PairSpread>(calibration, lattice, options);
-  if (s.refine_search == "grey_values")
-    dense_search = std::make_unique<DenseSearch>(calibration, lattice, options);
-  else
-    neighbours = std::make_unique<NeighbourSpread>(calibration, lattice, options);
-}
-
-// Appends what the first `lit_pixels` of `lit` show.
-void LightField::Stages::find_particles(std::size_t lit_pixels) noexcept {
-  counts.refused_pixels += search.find_rays({lit.data(), lit_pixels}, rays);
-  by_device.sure = true;
-  if (!search.find_particles(rays, by_device)) {
-    counts.device_unsure += by_device.sure ? 0 : 1;
-    return explain();
-  }
-  counts.candidates += by_device.candidates, counts.refused_candidates += by_device.refused_candidates;
-  counts.rounds += by_device.rounds;
-  append(by_device.found);
-}
-
-void LightField::Stages::explain() noexcept {
-  explain_away.begin(rays);
-  for (std::int64_t round = 0; round < (settings.explain_away ? settings.explain_rounds : 1); ++round) {
-    const auto candidates = search.find(rays, explain_away.taken(), round == 0);
-    counts.refused_candidates += search.refused(), counts.candidates += candidates.size();
-    ++counts.rounds;
-    if (explain_away.explain(rays, candidates) == 0) break;
-  }
-  explain_away.settle(rays);
-  counts.refused_particles += explain_away.refused();
-  append(explain_away.particles());
-}
-
-void LightField::Stages::append(std::span<const FittedParticle> found) noexcept {
-  const std::size_t kept = std::min(found.size(), particles.capacity() - particles.size());
-  counts.refused_particles += found.size() - kept;
-  for (const auto& particle : found.first(kept)) particles.push_back(particle);
-}
-
-// Those lit pixels that particles leave above the threshold, and well above the shot noise of what they do explain.
-std::size_t LightField::Stages::keep_unexplained(std::size_t lit_pixels) noexcept {
-  constexpr float kSigmas = 4;
-  const auto end = std::remove_if(lit.begin(), lit.begin() + static_cast<std::ptrdiff_t>(lit_pixels), [&](auto pixel) {
-    const float noise =
-        std::sqrt(std::max(shake->explained()[pixel], 0.0F) / static_cast<float>(settings.electrons_per_grey));
-    return shake->unexplained(pixel) < dark.threshold_of(pixel) + kSigmas * noise;
-  });
-  return static_cast<std::size_t>(end - lit.begin());
-}
-
-void LightField::Stages::refine(const ImageView& image, std::size_t lit_pixels) noexcept {
-  shake->begin(image, dark.now().mean);
-  if (dense_search) return find_overlapping(image);
-  particles.resize(shake->refine(particles, 0));
-  for (std::int64_t round = 1; round < settings.refine_rounds; ++round) {
-    lit_pixels = keep_unexplained(lit_pixels);
-    const std::size_t known = particles.size();
-    find_particles(lit_pixels);
-    if (particles.size() == known) break;
-    particles.resize(shake->refine(particles, known));
-  }
-  counts.rough_covariances += neighbours->find(image, dark.now().mean, particles);
-  shake->begin(image, dark.now().mean);
-  particles.resize(shake->describe(particles));
-  pair_spread->widen(particles, shake->explained());
-  std::sort(particles.begin(), particles.end(), by_support);
-}
-
-void LightField::Stages::take_over(std::span<const JointParticle> found) noexcept {
+// The particles of the frame that was submitted first; false when it is refused.
+bool LightField::Stages::find() noexcept {
+  const Begun first = begun[collected++ % begun.size()];
   particles.clear();
-  for (const auto& p : found) {
-    auto& particle = particles.emplace_back();
-    particle.at = p.at, particle.light = p.light;
+  if (first.image.data == nullptr) {
+    ++counts.refused_frames;
+    return false;
   }
+  counts.candidates = 0, counts.rounds = 0;
+  if (!first.on_device || !find_by_device()) {
+    dark.refresh();
+    find_here(first.image);
+    if (!first.on_device) dark.offer(first.image);
+  }
+  counts.device_failed = search.device_failed();
+  ++counts.frames;
+  return true;
 }
 
-// Rays only show how bright a particle is.
-void LightField::Stages::find_overlapping(const ImageView& image) noexcept {
-  dense_search->begin(image, dark.now().mean);
-  take_over(dense_search->find(particles));
-  particles.resize(shake->unite(particles));
-  take_over(dense_search->settle(particles));
-  const auto spreads = dense_search->spreads();
-  for (std::size_t k = 0; k < particles.size(); ++k) {
-    particles[k].shared = spreads[k].shared;
-    counts.rough_covariances += spreads[k].cut ? 1 : 0;
-  }
-  shake->begin(image, dark.now().mean);
-  particles.resize(shake->describe(particles));
-  pair_spread->widen(particles, shake->explained());
-  counts.refused_candidates += dense_search->refused_hits();
-  counts.refused_particles += dense_search->refused();
+bool LightField::Stages::find_by_device() noexcept {
+  if (!search.collect(frame)) return false;
+  rays.size = frame.rays, rays.pixels = frame.pixels;
+  if (!frame.particles.sure && !search.read_rays(rays)) return false;
+  counts.lit_pixels = frame.lit_pixels, counts.refused_pixels += frame.lit_pixels - frame.pixels;
+  counts.rays = frame.rays;
+  accept(frame.particles);
+  return true;
+}
+
+void LightField::Stages::find_here(const ImageView& image) noexcept {
+  const std::size_t found = search.find_lit(image, dark.now().limit, dark.follows(), lit);
+  const std::size_t kept = std::min(found, lit.size());
+  counts.lit_pixels = found, counts.refused_pixels += found - kept;
+  find_particles(kept);
+  counts.rays = rays.size;
+  if (shake) refine(image, kept);
 }
 
 void LightField::Stages::write(Particles& out) const noexcept {
@@ -223,33 +95,31 @@ std::uint16_t LightField::min_count() const noexcept { return stages_->min_count
 
 bool LightField::page_lock(std::span<std::byte> memory) noexcept { return stages_->search.page_lock(memory); }
 
+std::size_t LightField::most_in_flight() const noexcept { return stages_->does_frames() ? kDeviceFrames : 1; }
+
 void LightField::reconstruct(const FrameSet& frames, Particles& out) noexcept {
-  if (frames.cameras == 1 && !frames.info().torn) return reconstruct(frames.frames[0].view(), out);
-  out.clear();
-  ++stages_->counts.refused_frames;
-  stages_->tell(losses_);
+  submit(frames);
+  collect(out);
 }
 
 void LightField::reconstruct(const ImageView& image, Particles& out) noexcept {
-  auto& s = *stages_;
+  submit(image);
+  collect(out);
+}
+
+void LightField::submit(const FrameSet& frames) noexcept {
+  submit(frames.cameras == 1 && !frames.info().torn ? frames.frames[0].view() : ImageView{});
+}
+
+void LightField::submit(const ImageView& image) noexcept { stages_->submit(image); }
+
+void LightField::collect(Particles& out) noexcept {
   out.clear();
-  if (image.data == nullptr || !image.shape.has_size_of(s.shape)) {
-    ++s.counts.refused_frames;
-    return s.tell(losses_);
+  if (stages_->find()) {
+    stages_->write(out);
+    if (stages_->counts.device_failed) count_set_without_device();
   }
-  s.dark.refresh();
-  const std::size_t lit = s.search.find_lit(image, s.dark.now().limit, s.dark.follows(), s.lit);
-  s.counts.lit_pixels = lit, s.counts.candidates = 0, s.counts.rounds = 0;
-  s.counts.refused_pixels += lit - std::min(lit, s.lit.size());
-  s.particles.clear();
-  s.find_particles(std::min(lit, s.lit.size()));
-  s.counts.rays = s.rays.size;
-  if (s.shake) s.refine(image, std::min(lit, s.lit.size()));
-  s.write(out);
-  s.dark.offer(image);
-  if ((s.counts.device_failed = s.search.device_failed())) count_set_without_device();
-  ++s.counts.frames;
-  s.tell(losses_);
+  stages_->tell(losses_);
 }
 
 }  // namespace rptv

@@ -41,9 +41,13 @@ class LightField final : public Reconstructor {
   ~LightField() override;
 
   void reconstruct(const FrameSet& frames, Particles& out) noexcept override;
+  std::size_t most_in_flight() const noexcept override;
+  void submit(const FrameSet& frames) noexcept override;
+  void collect(Particles& out) noexcept override;
   bool page_lock(std::span<std::byte> memory) noexcept override;
   /// The same for one image.
   void reconstruct(const ImageView& image, Particles& out) noexcept;
+  void submit(const ImageView& image) noexcept;
 
   /// The last frame's particles as they were fitted, in image space; in the order of what reconstruct() gave out.
   std::span<const FittedParticle> fitted() const noexcept;

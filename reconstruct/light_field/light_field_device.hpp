@@ -23,23 +23,32 @@ struct DeviceParticles {
   std::size_t rounds = 0, candidates = 0, refused_candidates = 0;  ///< in all rounds
 };
 
+/// What a whole frame gives.
+struct DeviceFrame {
+  std::size_t lit_pixels = 0;        ///< found, as by find_lit_pixels()
+  std::size_t rays = 0, pixels = 0;  ///< Rays::size and Rays::pixels
+  DeviceParticles particles;
+};
+
+constexpr std::size_t kDeviceFrames = 2;  ///< that may be submitted and not collected
+
 /// The steps of LightField on another processor, with the same results bit for bit. Set-up takes all memory. One
-/// thread calls; every call returns when it is done, and is false when the device fails: LightField then goes on with
-/// the CPU and does not ask again.
+/// thread calls; every call but submit() returns when it is done, and is false when the device fails: LightField then
+/// goes on with the CPU and does not ask again.
 class LightFieldDevice {
  public:
   virtual ~LightFieldDevice() = default;
 
   /// Reconstructor::page_lock().
   virtual bool page_lock(std::span<std::byte> memory) noexcept = 0;
-  /// The limits of the images to come, of as many pixels.
+  /// The limits of the images to come, of as many pixels; they stay as they are until the next call.
   virtual bool set_limit(const DarkLimit& limit) noexcept = 0;
   /// find_lit_pixels() with those limits; `found` becomes what it returns.
   virtual bool find_lit_pixels(const ImageView& image, std::span<std::uint32_t> lit, std::size_t& found) noexcept = 0;
   /// PixelsToRays::convert(), for the steps below; `refused` becomes what it returns, and only `size` and `pixels` of
   /// `rays` are set. `lit` is what find_lit_pixels() gave, or part of it.
   virtual bool find_rays(std::span<const std::uint32_t> lit, Rays& rays, std::size_t& refused) noexcept = 0;
-  /// The rest of `rays`.
+  /// The rest of `rays`, whose `size` and `pixels` are known.
   virtual bool read_rays(Rays& rays) noexcept = 0;
   /// Up to `rounds` of candidates (as find_candidates()) and ExplainAway::explain(), then settle().
   virtual bool find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept = 0;
@@ -47,6 +56,11 @@ class LightFieldDevice {
   /// returns. `taken` has a value for each ray.
   virtual bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least,
                                std::vector<Candidate>& candidates, std::size_t& refused) noexcept = 0;
+
+  /// Begins with a frame: lit pixels, rays and find_particles(). The image is left alone until it is collected.
+  virtual bool submit(const ImageView& image, std::uint16_t least, std::size_t rounds) noexcept = 0;
+  /// Waits for the frame that was submitted first; read_rays() and find_candidates() then go on with its rays.
+  virtual bool collect(DeviceFrame& frame) noexcept = 0;
 };
 
 /// What a device is set up for; the references live as long as it does.

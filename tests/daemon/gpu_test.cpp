@@ -71,8 +71,8 @@ TEST(Gpu, detects_the_particle_images_of_the_cpu_in_several_views) {
   const SmallRun run(1);  // for its folder
   const auto folder = run.folder() / "views";
   const std::vector<std::string> plain{"--set", "multi_view.detector.overlap_sweeps=0"};
-  const Said made = run_rapidptv({"simulate", "--scenario", "lpt_challenge", "--out", folder.string(), "--set",
-                                  "frames=2", "--set", "views.per_pixel=0.001"});
+  const Said made = run_rapidptv({"simulate", "--scenario", RPTV_SOURCE_DIR "/simulation/scenarios/lpt_challenge.toml",
+                                  "--out", folder.string(), "--set", "frames=2", "--set", "views.per_pixel=0.001"});
   ASSERT_EQ(made.code, 0) << made.err;
   Said cpu, cuda;
   const std::string found = points(folder / "rig.toml", "cuda", cuda, plain),

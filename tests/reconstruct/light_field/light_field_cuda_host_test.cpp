@@ -19,7 +19,7 @@ using testing::small_camera;
 
 LightFieldSettings small_settings() {
   LightFieldSettings settings = testing::small_settings();
-  settings.max_rays = 12000;  // threads that have nothing to do take their time here, too
+  settings.max_rays = 12000, settings.max_particles = 100;  // idle threads take time here, too
   return settings;
 }
 
@@ -104,9 +104,9 @@ TEST(LightFieldCuda, reads_frames_out_of_page_locked_memory_and_gives_it_back) {
     LightField device(small_settings(), small_camera(), {}, make_cuda);
     EXPECT_TRUE(device.page_lock(memory));
     EXPECT_FALSE(device.page_lock(memory));  // it is already
+    EXPECT_TRUE(cpu.page_lock(memory));      // needs none
     expect_same(find(device, image.view()), find(cpu, image.view()));
   }
-  EXPECT_TRUE(cpu.page_lock(memory));  // needs none
 }
 
 /// The real device behind a fault of one step.
@@ -138,12 +138,9 @@ class FaultyDevice final : public LightFieldDevice {
     if (fault_ == Fault::moves_a_ray) rays.ray[rays.size / 2].slope_x += 1e-7F;
     return done;
   }
-  // A device that fails at other steps after the rays is one that was unsure here.
   bool find_particles(std::uint16_t least, std::size_t rounds, DeviceParticles& particles) noexcept override {
     const bool done = fault_ != Fault::fails_at_particles && device_.find_particles(least, rounds, particles);
-    if (fault_ == Fault::fails_at_reading || fault_ == Fault::fails_at_candidates || fault_ == Fault::is_never_sure)
-      particles.sure = false;
-    if (fault_ == Fault::moves_a_particle && !particles.found.empty()) particles.found.back().at.z += 1e-9;
+    spoil(particles);
     return done;
   }
   bool find_candidates(std::span<const std::uint8_t> taken, std::uint16_t least, std::vector<Candidate>& candidates,
@@ -153,8 +150,22 @@ class FaultyDevice final : public LightFieldDevice {
     if (fault_ == Fault::loses_a_candidate && !candidates.empty()) candidates.pop_back();
     return done;
   }
+  bool submit(const ImageView& image, std::uint16_t least, std::size_t rounds) noexcept override {
+    return fault_ != Fault::fails_at_lit && device_.submit(image, least, rounds);
+  }
+  bool collect(DeviceFrame& frame) noexcept override {
+    const bool done = fault_ != Fault::fails_at_rays && fault_ != Fault::fails_at_particles && device_.collect(frame);
+    spoil(frame.particles);
+    return done;
+  }
 
  private:
+  void spoil(DeviceParticles& particles) const {
+    if (fault_ == Fault::fails_at_reading || fault_ == Fault::fails_at_candidates || fault_ == Fault::is_never_sure)
+      particles.sure = false;
+    if (fault_ == Fault::moves_a_particle && !particles.found.empty()) particles.found.back().at.z += 1e-9;
+  }
+
   LightFieldCuda device_;
   Fault fault_;
 };
@@ -228,10 +239,10 @@ TEST(LightFieldDevice, that_differs_in_one_place_is_not_trusted) {
   EXPECT_EQ(check(Fault::fails_at_rays), "it fails at the rays");
   EXPECT_EQ(check(Fault::fails_at_reading), "it fails at the rays");
   EXPECT_EQ(check(Fault::fails_at_candidates), "it fails at the candidates");
-  EXPECT_EQ(check(Fault::fails_at_particles), "it fails at the particles");
+  EXPECT_EQ(check(Fault::fails_at_particles), "it fails at a frame");
   EXPECT_EQ(check(Fault::moves_a_ray), "it finds other rays");
   EXPECT_EQ(check(Fault::loses_a_candidate), "it finds other candidates");
-  EXPECT_EQ(check(Fault::moves_a_particle), "it finds other particles");
+  EXPECT_EQ(check(Fault::moves_a_particle), "it finds other particles in a frame");
   EXPECT_EQ(check(Fault::is_never_sure), "it is unsure of all particles");
 }
 
