@@ -148,6 +148,18 @@ WallProfileBin bin_of(const std::vector<const Swing*>& swings, const FlowSetting
   return bin;
 }
 
+/// From the top down: little is left of the wall's swing there, and noise turns its phase.
+void join_unsure(std::vector<std::vector<const Swing*>>& members, const FlowSettings& flow, double most_sigma_rad) {
+  for (std::size_t layer = members.size(); layer-- > 1;) {
+    auto &here = members[layer], &below = members[layer - 1];
+    if (here.empty()) continue;
+    const WallProfileBin bin = bin_of(here, flow);
+    if (bin.amplitude_sigma_mm <= most_sigma_rad * bin.theory_amplitude_mm) continue;
+    below.insert(below.end(), here.begin(), here.end());
+    here.clear();
+  }
+}
+
 /// Best complex wall amplitude for a layer thickness, and the weighted misfit.
 struct LayerFit {
   double layer_mm = 0, misfit = 0;
@@ -221,6 +233,7 @@ WallProfile measure_wall_profile(const std::vector<TrackRow>& tracks, const Flow
     if (position < static_cast<double>(bins))
       members[static_cast<std::size_t>(std::max(0.0, position))].push_back(&swing);
   }
+  if (settings.most_phase_sigma_deg > 0) join_unsure(members, theory, settings.most_phase_sigma_deg * M_PI / 180);
   for (const auto& layer : members)
     if (!layer.empty()) profile.bins.push_back(bin_of(layer, theory));
   const LayerFit fit = fit_layer(swings, theory.stokes_layer_mm);

@@ -13,10 +13,11 @@ namespace rptv {
 
 struct WallProfileSettings {
   std::int64_t bins = 14;
-  double top_mm = 7.0;       ///< bins reach from the wall to this height above it
-  double min_periods = 1.0;  ///< shorter tracks are left out: mean, drift and swing cannot be told apart in them
-  double rate_hz = 0;        ///< time = frame / rate where the table has no t; 0: such tables are refused
-  double start_s = 0;        ///< subtracted from t: the instant at which the wall's phase is 0
+  double top_mm = 7.0;              ///< bins reach from the wall to this height above it
+  double min_periods = 1.0;         ///< shorter tracks are left out: mean, drift and swing cannot be told apart in them
+  double most_phase_sigma_deg = 0;  ///< a layer whose phase is less sure is joined with the one below it; 0: none is
+  double rate_hz = 0;               ///< time = frame / rate where the table has no t; 0: such tables are refused
+  double start_s = 0;               ///< subtracted from t: the instant at which the wall's phase is 0
 };
 
 /// One layer of fluid. Displacement x = amplitude sin(w t + phase).

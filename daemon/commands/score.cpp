@@ -14,6 +14,7 @@ namespace {
 struct ScoreOptions {
   std::string measured, truth, scenario, profile_csv;
   std::vector<double> radius_mm;
+  double phase_sigma_deg = 0;
   bool json = false;
 };
 
@@ -57,7 +58,7 @@ ExitCode run_score(const ScoreOptions& options) {
       tell(profile);
     } else if (scenario.flow.kind == "oscillating_wall") {
       WallProfileSettings settings;
-      settings.rate_hz = scenario.rate_hz;
+      settings.rate_hz = scenario.rate_hz, settings.most_phase_sigma_deg = options.phase_sigma_deg;
       const WallProfile profile = measure_wall_profile(measured.rows, scenario.flow, settings);
       if (!options.profile_csv.empty()) write_wall_profile(profile, options.profile_csv);
       tell(profile);
@@ -86,6 +87,8 @@ void add_score(Command app, Action& chosen) {
   command.add_option("--profile", options->scenario,
                      "scenario (TOML) of a wall or a duct: measure its profile and compare with theory");
   command.add_option("--profile-csv", options->profile_csv, "also write the profile to this CSV file");
+  command.add_option("--phase-sigma", options->phase_sigma_deg,
+                     "wall profile: join layers whose phase has a larger standard error, degrees, with those below");
   command.add_flag("--json", options->json, "print one JSON object");
   command.footer(
       "Definitions: Sciacchitano et al. 2021 (1st LPT challenge); pairs are one to one, nearest first.\n"

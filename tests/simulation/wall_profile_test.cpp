@@ -101,6 +101,28 @@ TEST(WallProfile, takes_what_depth_errors_do_to_x_out_of_it) {
   EXPECT_GE(covered, static_cast<int>(profile.bins.size()) - 1);
 }
 
+TEST(WallProfile, joins_layers_whose_phase_is_unsure_with_those_below) {
+  const auto scenario = scene();
+  const auto rows = true_tracks(scenario, 0.02);
+  constexpr double kMost_rad = 3 * M_PI / 180;
+  const auto is_sure = [](const WallProfileBin& bin) {
+    return bin.amplitude_sigma_mm <= kMost_rad * bin.theory_amplitude_mm;
+  };
+  WallProfileSettings settings;
+  const auto apart = measure_wall_profile(rows, scenario.flow, settings);
+  settings.most_phase_sigma_deg = 3;
+  const auto joined = measure_wall_profile(rows, scenario.flow, settings);
+  EXPECT_FALSE(std::all_of(apart.bins.begin(), apart.bins.end(), is_sure));
+  EXPECT_TRUE(std::all_of(joined.bins.begin(), joined.bins.end(), is_sure));
+  std::uint64_t tracks_apart = 0, tracks_joined = 0;
+  for (const auto& bin : apart.bins) tracks_apart += bin.tracks;
+  for (const auto& bin : joined.bins) {
+    tracks_joined += bin.tracks;
+    EXPECT_LE(std::abs(bin.phase_rad - bin.theory_phase_rad), 3 * bin.amplitude_sigma_mm / bin.theory_amplitude_mm);
+  }
+  EXPECT_EQ(tracks_joined, tracks_apart);
+}
+
 TEST(WallProfile, takes_time_from_the_frame_rate_when_tracks_have_none) {
   const auto scenario = scene();
   auto rows = true_tracks(scenario);

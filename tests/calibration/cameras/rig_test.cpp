@@ -90,7 +90,7 @@ TEST(Rig, images_of_another_size_are_refused_by_name) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
                  "rig.toml: camera 'left' is calibrated for 640x480 px and its images have 480x640; use the region of "
-                 "interest that it was calibrated with");
+                 "interest that it was calibrated with, or calibrate it as it is now");
   }
 }
 

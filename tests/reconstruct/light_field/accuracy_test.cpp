@@ -72,6 +72,8 @@ TEST(Accuracy, is_what_covariances_promise_and_less_than_twice_the_cramer_rao_bo
   }
 }
 
+constexpr double kSureGhost = 0.1;
+
 struct Overlapping {
   const char* search;
   double per_lenslet, depth_mm;
@@ -80,7 +82,7 @@ struct Overlapping {
 };
 
 struct Overlapped {
-  double seen = 0, in_view = 0;
+  double seen = 0, in_view = 0, sure = 0;
   std::array<double, 3> joint{}, alone{};  // mean squares of normalised errors; as if neighbours were known
 };
 
@@ -99,6 +101,7 @@ Overlapped overlapped_errors(const Overlapping& of) {
     for (const auto& m : match(found, scene, 0.0625, 2)) {
       if (scene.in_view[m.truth] == 0) continue;
       ++sums.in_view;
+      sums.sure += found.ghost[m.found] <= kSureGhost ? 1 : 0;
       if (found.ghost[m.found] > of.most_ghost) continue;
       ++sums.seen;
       const auto& at = scene.truth[m.truth].at;
@@ -128,7 +131,8 @@ class Covariances : public ::testing::TestWithParam<Overlapping> {};
 
 TEST_P(Covariances, hold_where_particles_overlap) {
   const Overlapped errors = overlapped_errors(GetParam());
-  EXPECT_GE(errors.seen, 0.95 * errors.in_view);
+  const bool by_grey_values = std::string(GetParam().search) == "grey_values";
+  EXPECT_GE(errors.sure, (by_grey_values && GetParam().depth_mm > 2 ? 0.98 : 0.95) * errors.in_view);
   for (const double variance : errors.joint) EXPECT_NEAR(variance, 1, 0.2);
   if (GetParam().per_lenslet < 0.2 || GetParam().depth_mm < 6) return;
   for (const double variance : errors.alone) EXPECT_GT(variance, 1.25);
