@@ -15,20 +15,17 @@
 
 namespace rptv {
 
-namespace {
-
-/// Best first: many views, then small residuals.
-struct Rank {
-  double support, residual_mm;
-  std::uint32_t particle;
-  bool operator<(const Rank& other) const noexcept {
-    return std::tuple(-support, residual_mm, particle) < std::tuple(-other.support, other.residual_mm, other.particle);
-  }
-};
-
-}  // namespace
-
 struct MultiView::Stages {
+  /// Best first: many views, then small residuals.
+  struct Rank {
+    double support, residual_mm;
+    std::uint32_t particle;
+    bool operator<(const Rank& other) const noexcept {
+      return std::tuple(-support, residual_mm, particle) <
+             std::tuple(-other.support, other.residual_mm, other.particle);
+    }
+  };
+
   Stages(const MultiViewSettings& s, const Rig& rig, std::span<const MultiViewCamera> cameras)
       : settings(s),  // max_matches > 0
         gate(cameras, static_cast<std::size_t>(s.min_views)),
