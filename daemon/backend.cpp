@@ -41,8 +41,7 @@ const CudaProbe& this_machine() {
 
 std::string device_failure(std::uint64_t sets_without_device) {
   return fmt::format(
-      "the GPU failed; the CPU has done {} frame sets alone since, with the same results: see nvidia-smi and the "
-      "kernel's "
+      "the GPU failed; the CPU has done {} frame sets alone since, by the same rules: see nvidia-smi and the kernel's "
       "log, then start again",
       sets_without_device);
 }

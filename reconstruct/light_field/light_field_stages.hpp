@@ -64,9 +64,9 @@ struct LightField::Stages {
   std::array<Begun, kDeviceFrames> begun;
   std::size_t submitted = 0, collected = 0;
   DeviceFrame frame;
-  std::unique_ptr<Shake> shake;               // with settings.refine
-  std::unique_ptr<DenseSearch> dense_search;  // with settings.refine_search = "grey_values"
-  std::unique_ptr<PairSpread> pair_spread;
+  std::unique_ptr<Shake> shake;                 // with settings.refine
+  std::unique_ptr<DenseSearch> dense_search;    // with settings.refine_search = "grey_values"
+  std::unique_ptr<PairSpread> pair_spread;      // with settings.refine
   std::unique_ptr<NeighbourSpread> neighbours;  // with settings.refine_search = "rays"
   std::vector<FittedParticle> particles;
   LightFieldCounts counts;
